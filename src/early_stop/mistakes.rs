@@ -225,20 +225,24 @@ fn live(ray: &Arrays, carried: f64, eps: f64, stop: Stop, wrong: &[&str]) -> usi
     }
 }
 
-/// A ray whose opacities are optical depths, up to the sample behind which less light than `eps` is left, and how many samples that are.
-fn of_first_order(ray: &Arrays, eps: f64) -> (usize, Arrays) {
-    let alphas = values(ray, "sigmas").into_iter().zip(values(ray, "deltas")).map(|(s, d)| s * d);
-    let (mut light, mut used) = (1.0, vec![]);
-    for alpha in alphas {
-        used.push(alpha);
+/// A ray whose opacities are optical depths, `carried` the light that arrives, and how many samples it uses until less than `eps` is left.
+fn of_first_order(ray: &Arrays, carried: f64, eps: f64, stop: Stop) -> (usize, Arrays) {
+    let depths = values(ray, "sigmas").into_iter().zip(values(ray, "deltas")).map(|(s, d)| s * d);
+    let mut alphas: Vec<f64> = depths.collect();
+    let mut light = carried;
+    let end = alphas.iter().position(|alpha| {
         light *= 1.0 - alpha;
-        if light < eps {
-            break;
-        }
-    }
-    let n = used.len();
+        light < eps
+    });
+    let n = match (end, stop) {
+        (None, _) => alphas.len(),
+        (Some(last), Stop::Behind) => last + 1,
+        (Some(last), Stop::InFront) => last,
+        (Some(last), Stop::OneMore) => (last + 2).min(alphas.len()),
+    };
+    alphas.truncate(n);
     let rgbs = values(ray, "rgbs")[..3 * n].to_vec();
-    let samples = arrays([("alphas", array(&[1, n], used)), ("rgbs", array(&[1, n, 3], rgbs))]);
+    let samples = arrays([("alphas", array(&[1, n], alphas)), ("rgbs", array(&[1, n, 3], rgbs))]);
     (n, (VOLUME_RENDER_ALPHA.forward.oracle)(&samples, &CS180))
 }
 
@@ -264,11 +268,13 @@ pub(crate) fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
     for (r, (first, length)) in spans(a).into_iter().enumerate() {
         let counts = wrong.contains(&"ends_taken_for_counts");
         let reach = if counts { (first + length).min(samples - first) } else { length };
-        let n = live(&one_ray(a, r, first, reach), carried, eps, c.stop, wrong);
         let shown = if wrong.contains(&RECTANGLES) { &[RECTANGLES][..] } else { &[] };
-        let (n, mut ray) = match wrong.contains(&FIRST_ORDER.name) {
-            true => of_first_order(&one_ray(a, r, first, reach), eps / carried),
-            false => (n, (VOLUME_RENDER.forward.wrong)(&one_ray(a, r, first, n), &CS180, shown)),
+        let whole = one_ray(a, r, first, reach);
+        let (n, mut ray) = if wrong.contains(&FIRST_ORDER.name) {
+            of_first_order(&whole, carried, eps, c.stop)
+        } else {
+            let n = live(&whole, carried, eps, c.stop, wrong);
+            (n, (VOLUME_RENDER.forward.wrong)(&one_ray(a, r, first, n), &CS180, shown))
         };
         for name in ["colors", "weights", "opacity", "transmittance"] {
             ray.get_mut(name).expect("an output").mapv_inplace(|x| carried * x);

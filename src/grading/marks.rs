@@ -244,10 +244,7 @@ fn findings(row: &Row, asked: &Asked, why: Option<&String>, report: &Report) -> 
         said.push(format!("the rubric asks for {}", wanted(asked, row).join(", ")));
     }
     match row.verdict {
-        Verdict::Unproved => said.push(format!(
-            "every number is within its bound, but 0 would be too, in every element of {}",
-            row.unproved.join(", ")
-        )),
+        Verdict::Unproved => said.push(row.unproved_for()),
         Verdict::Imprecise => said.push(lost(row)),
         Verdict::Fail | Verdict::Edge => {
             said.extend(other_conventions(row, report));

@@ -224,11 +224,6 @@ fn orders(
         let all = vec![vec![true; got.shape()[1]]; got.shape()[1]];
         let new = || Fits { table: all.clone(), same: all };
         let Fits { table, same } = fits.entry(shape(case, got)).or_insert_with(new);
-        let elsewhere = &h.prediction(question, &moved(question, case)).0[name];
-        for (ours, row) in same.iter_mut().enumerate() {
-            let of = |column| elsewhere.index_axis(Axis(1), column);
-            row.iter_mut().enumerate().for_each(|(other, same)| *same &= of(ours) == of(other));
-        }
         for (ours, row) in table.iter_mut().enumerate() {
             let (e, b) = (expected.index_axis(Axis(1), ours), bound.index_axis(Axis(1), ours));
             for (theirs, fits) in row.iter_mut().enumerate().filter(|(_, fits)| **fits) {
@@ -239,6 +234,12 @@ fn orders(
             if !row.contains(&true) {
                 return None;
             }
+        }
+        let elsewhere = &h.prediction(question, &moved(question, case)).0[name];
+        for (ours, row) in same.iter_mut().enumerate() {
+            let of = |column| elsewhere.index_axis(Axis(1), column);
+            let alike = |other| ours == other || !elsewhere.is_empty() && of(ours) == of(other);
+            row.iter_mut().enumerate().for_each(|(other, same)| *same &= alike(other));
         }
     }
     let order = |fits: Fits| matching(&fits.table, &fits.same);
@@ -253,11 +254,12 @@ struct Fits {
     same: Vec<Vec<bool>>,
 }
 
-/// The case with its points, the first of the inputs, elsewhere: columns that are the same there too are the same function.
+/// The case with its points, the first of the inputs, elsewhere, each coordinate by another step: columns that are the same there too are the same function.
 fn moved(question: &Question, case: &Case) -> Case {
     let mut case = case.clone();
     let points = case.inputs.get_mut(question.component.inputs[0].name);
-    points.expect("an input").mapv_inplace(|x| x + FRAC_1_PI);
+    let each = points.expect("an input").iter_mut().enumerate();
+    each.for_each(|(n, x)| *x += (n + 1) as f64 * FRAC_1_PI);
     case
 }
 

@@ -115,13 +115,7 @@ fn notes(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
         return Ok(());
     }
     if row.verdict == Verdict::Unproved {
-        return writeln!(
-            f,
-            "\nUNPROVED {} {}: within its bounds, but 0 would be too, in every element of {}",
-            row.name,
-            row.kind,
-            row.unproved.join(", ")
-        );
+        return writeln!(f, "\nUNPROVED {} {}: {}", row.name, row.kind, row.unproved_for());
     }
     let word = row.verdict.to_string().to_uppercase();
     writeln!(f, "\n{word} {} {}", row.name, row.kind)?;

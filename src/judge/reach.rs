@@ -5,13 +5,24 @@ use super::answer::{Answer, Answers, reshaped};
 use super::exam::{Exam, Question};
 use crate::contract::arrays::number;
 use crate::contract::case::Case;
+use crate::contract::check::Kind;
 use crate::contract::special::{Only, Reach};
 
 /// The exam and the answers without the cases that are beyond the candidate, where there are some: it crashed on all of them, or gave
 /// arrays of other shapes, and it did not on all others.
 pub(crate) fn within_reach(exam: &Exam, answers: &[Answers]) -> Option<(Exam, Vec<Answers>)> {
-    let beyond: Vec<Vec<Option<String>>> =
-        exam.questions.iter().zip(answers).map(|(question, answers)| left_out(question, answers)).collect();
+    let each = || exam.questions.iter().zip(answers);
+    // A gradient that crashes where its function answers isn't beyond it.
+    let whole = |name: &str| {
+        let mut forward = each().filter(|(q, _)| q.kind == Kind::Forward && q.component.name == name);
+        let answered = |answers: &Answers| answers.iter().any(Option::is_some);
+        forward.any(|(q, answers)| answered(answers) && left_out(q, answers).iter().all(Option::is_none))
+    };
+    let out = |(question, answers): (&Question, &Answers)| match question.kind {
+        Kind::Vjp if whole(question.component.name) => vec![None; question.cases.len()],
+        _ => left_out(question, answers),
+    };
+    let beyond: Vec<Vec<Option<String>>> = each().map(out).collect();
     if beyond.iter().flatten().all(Option::is_none) {
         return None;
     }
@@ -106,8 +117,25 @@ mod tests {
     use super::super::report::Verdict;
     use super::*;
     use crate::contract::arithmetic::Dtype;
-    use crate::contract::check::Kind;
     use crate::convention::{CS180, Conventions};
+
+    #[test]
+    fn a_gradient_goes_as_far_as_its_function() {
+        let exam = Exam::new("spherical_harmonics", Dtype::F32, None).unwrap();
+        let right = |question: &Question, most: f64| -> Answers {
+            let of = |case: &Case| {
+                (extent(case, "degree") <= most).then(|| given((*question.expected(case, &CS180)).clone()))
+            };
+            question.cases.iter().map(of).collect()
+        };
+        let out = |forward: f64, gradient: f64| {
+            let most = |kind| if kind == Kind::Vjp { gradient } else { forward };
+            let answers: Vec<Answers> = exam.questions.iter().map(|q| right(q, most(q.kind))).collect();
+            within_reach(&exam, &answers).is_some()
+        };
+        assert!(out(2.0, 2.0) && out(-1.0, 2.0));
+        assert!(!out(4.0, 2.0), "what is left are crashes");
+    }
 
     /// The verdict on harmonics that go to this degree, and are `times` what they should be.
     fn verdict(degree: f64, times: f64) -> (Verdict, usize) {

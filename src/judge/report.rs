@@ -118,6 +118,17 @@ pub struct Row {
 }
 
 impl Row {
+    /// Why a row that is within its bounds isn't proved.
+    pub(crate) fn unproved_for(&self) -> String {
+        match self.faults.first().filter(|_| self.unproved.is_empty()) {
+            Some(fault) => fault.clone(),
+            None => format!(
+                "every number is within its bound, but 0 would be too, in every element of {}",
+                self.unproved.join(", ")
+            ),
+        }
+    }
+
     /// Nothing was answered.
     pub fn unsupported(question: &Question) -> Row {
         Row {

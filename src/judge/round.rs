@@ -69,7 +69,7 @@ impl Laid {
     }
 
     /// The exam with those gradients asked in the order of columns that the same component's forward answers have of which more cases are
-    /// right then, or which are wrong as those are, and the answers to that, marked; `None` where there are none.
+    /// right then, or which are wrong as those are and no worse then, and the answers to that, marked; `None` where there are none.
     pub(super) fn in_their_order(
         &self,
         exam: &Exam,
@@ -88,8 +88,9 @@ impl Laid {
             let right = |question: &Question, marks: &Marks| question.cases.len() - marks.wrong_cases.len();
             let (marks, _) = marks(&asked, &left, self.conventions(), options);
             let wrong = |n: usize| self.marks(n).is_some_and(|marks| marks.budget_used > 1.0);
-            let follows = wrong(n) && forward_of(&exam.questions, n).is_some_and(wrong);
-            if follows || right(&asked, &marks) > right(question, found) {
+            let both_wrong = wrong(n) && forward_of(&exam.questions, n).is_some_and(wrong);
+            let no_worse = marks.wrong_cases.len() <= found.wrong_cases.len();
+            if both_wrong && no_worse || right(&asked, &marks) > right(question, found) {
                 (*question, answers[n]) = (asked, left);
                 changed.push(n);
             }
@@ -226,8 +227,9 @@ impl Round {
                 if let Some(best) = row.diagnosis.first().filter(|e| e.unexplained.is_empty() && e.wrong()) {
                     beside.insert(question.component.name, best.clone());
                 }
-                let sets =
-                    row.diagnosis.iter().map(suspect).filter(|(set, _)| !set.is_empty()).collect::<Vec<_>>();
+                // What leaves an output open may have hidden another mistake.
+                let known = row.diagnosis.iter().filter(|e| e.unexplained.is_empty()).map(suspect);
+                let sets = known.filter(|(set, _)| !set.is_empty()).collect::<Vec<_>>();
                 suspects.entry(question.component.name).or_default().extend(sets);
                 // Other conventions are no matter of digits.
                 let conventions =

@@ -83,20 +83,21 @@ pub fn mark(question: &Question, answers: &Answers, c: &Conventions) -> Marks {
 /// are no pixels nothing else is asked of them: that comes last.
 pub fn mistakes(question: &Question, answers: &Answers, c: &Conventions) -> (Vec<&'static Mistake>, Partial) {
     let row = |finding: Finding| question.component.mistakes.iter().find(|m| m.name == finding.name);
-    let in_these = |p: Partial| -> (Vec<&'static Mistake>, Partial) {
-        let found = in_order(question, judged(question, answers, &apply(&p, c)).1);
-        (found.into_iter().filter_map(row).collect(), p)
-    };
     let all = assignments(question.component, c);
-    let each = parallel::map(all.len(), |n| in_these(all[n].clone()));
-    let rank = |(found, _): &&(Vec<&Mistake>, Partial)| {
+    let differs = |p: &Partial| difference(p, &partial(question.component, c));
+    // Where nothing is wrong in some conventions it is the run that disagrees.
+    if let Some(p) = all.iter().find(|p| plausible(question, answers, &apply(p, c))) {
+        return (vec![], differs(p));
+    }
+    let in_these = |p: &Partial| -> Vec<&'static Mistake> {
+        in_order(question, judged(question, answers, &apply(p, c)).1).into_iter().filter_map(row).collect()
+    };
+    let each = parallel::map(all.len(), |n| in_these(&all[n]));
+    let rank = |(found, _): &(Vec<&Mistake>, &Partial)| {
         (found.iter().any(|m| m.name == "outside_the_images"), found.len())
     };
-    // Where nothing is wrong it is the run that disagrees.
-    let wrong = each.iter().filter(|(found, _)| !found.is_empty());
-    let (found, p) = wrong.min_by_key(rank).cloned().unwrap_or_default();
-    let differs = if p.is_empty() { p } else { difference(&p, &partial(question.component, c)) };
-    (found, differs)
+    let wrong = each.into_iter().zip(&all).filter(|(found, _)| !found.is_empty());
+    wrong.min_by_key(rank).map_or_else(Default::default, |(found, p)| (found, differs(p)))
 }
 
 /// Findings as the row lists its mistakes, which is the order in which a program makes them.

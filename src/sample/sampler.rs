@@ -68,7 +68,7 @@ const MISTAKES: &[Mistake] = &[
     row(
         "rounded_to_the_nearest",
         "round(u W) for a column, and round(u H) for a row",
-        "the first ones are drawn half as often as others, and a last one is that isn't there",
+        "the first ones are drawn half as often as others, and one more is drawn that isn't there",
         "floor(u W), or whole numbers below W",
         1,
     ),

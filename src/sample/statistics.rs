@@ -175,7 +175,7 @@ fn rounded(calls: &[Call; 2], shift: f64, size: [usize; 2]) -> bool {
                 _ => return false,
             }
         }
-        let share = |k: usize| if k % size[axis] == 0 { 0.5 } else { 1.0 } / size[axis] as f64;
+        let share = |k: usize| (if k % size[axis] == 0 { 0.5 } else { 1.0 }) / size[axis] as f64;
         let slack = |k: usize| count_slack(all.len(), share(k), counts.len());
         let as_often = |k: usize| (counts[k] - all.len() as f64 * share(k)).abs() <= slack(k);
         (0..counts.len()).all(as_often)

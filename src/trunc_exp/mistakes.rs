@@ -27,7 +27,7 @@ const GRADIENT_CLIPPED: Mistake = Mistake::new(
     1,
 )
 .of_gradient()
-.with("most", 15.0, [1e-2, 1e7]);
+.with("most", 15.0, [1e-2, 3e6]);
 
 const CLAMPED_ABOVE: Mistake = Mistake::new(
     "clamped_above",

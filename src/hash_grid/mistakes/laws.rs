@@ -182,7 +182,7 @@ fn entry(level: &Level, [x, y, z]: [u32; 3], law: &[usize]) -> usize {
         Some(n) => (PRIMES[n / JOINED.len()], n % JOINED.len()),
     };
     // A table of its own size for each level, as far as there are so many.
-    let entries = if law[4] == 6 { entries.min((side - 1).pow(3) as usize) } else { entries };
+    let entries = if law[4] == 6 { entries.min((level.last as usize + 1).pow(3)) } else { entries };
     let part = |v: u32, p: u32| v.wrapping_mul(p);
     let [p, q, r] = [part(x, factors[0]), part(y, factors[1]), part(z, factors[2])];
     let whole = |v: u32, p: u32| u64::from(v) * u64::from(p);

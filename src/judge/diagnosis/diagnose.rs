@@ -68,7 +68,10 @@ pub(crate) fn diagnose_in(
             conventions: conventions.clone(),
             ..Explanation::default()
         };
-        return shown.into_iter().map(each).collect();
+        // Right in other conventions: it only disagrees with the rest of the run.
+        let alone = (shown.is_empty() && !conventions.is_empty())
+            .then(|| Explanation { conventions: conventions.clone(), ..Explanation::default() });
+        return alone.into_iter().chain(shown.into_iter().map(each)).collect();
     }
     if no_number_left(question, answers) {
         return vec![];

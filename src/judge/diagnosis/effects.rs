@@ -32,10 +32,9 @@ impl Effects {
         let (case, answer) =
             cases.into_iter().find(|(case, answer)| !right.explains(question, case, answer, options))?;
         let mut kept: Vec<&str> = answer.keys().map(String::as_str).collect();
-        right.keep_explained(question, case, answer, options, &mut kept);
+        let expected = right.keep_explained(question, case, answer, options, &mut kept);
         let wrong: BTreeSet<String> =
             answer.keys().filter(|n| !kept.contains(&n.as_str())).cloned().collect();
-        let (expected, _) = right.prediction(question, case);
         let of = |name: &'static str| {
             let h = Hypothesis::new(vec![name], *c);
             let mut left = kept.clone();
@@ -82,6 +81,20 @@ mod tests {
     use crate::contract::arithmetic::Dtype;
     use crate::convention::CS180;
     use crate::judge::exam::Exam;
+
+    /// Other axes turn rays that are right.
+    #[test]
+    fn other_conventions_are_worse_where_they_change_what_is_right() {
+        let exam = Exam::new("render_trace", Dtype::F64, None).unwrap();
+        let (question, options) = (&exam.questions[0], MarkOptions { dtype: Dtype::F64, exp_ulp: 4.0 });
+        let answers = answered(question, Dtype::F64, &["inclusive_transmittance"]);
+        let worse = |key, value| {
+            let other = CS180.with(key, value).expect("listed");
+            !no_worse(question, &answers, (&CS180, &other), &options)
+        };
+        assert!(worse("axes", "opengl"));
+        assert!(!worse("product_eps", "1e-10"));
+    }
 
     /// A pair that a trace was made with is allowed; what changes something right, or leaves something wrong, isn't.
     #[test]

@@ -49,13 +49,14 @@ pub(crate) fn follows_usually(
     options: &MarkOptions,
 ) -> Vec<Explanation> {
     let usual = |case: &Case| case.edge.is_none() && !forward.unexplained_cases.contains(&case.id);
-    let (some, of_some) = only(question, answers, usual);
-    let follows = |h: &Hypothesis| {
-        let off = unexplained(h, &some, &of_some, options);
-        let (most, of_most) = only(&some, &of_some, |case| !off.contains(&case.id));
-        MOST * off.len() <= some.cases.len() && was_done(h, &most, &of_most, options)
+    let most = |h: &Hypothesis| {
+        let off = unexplained(h, question, answers, options);
+        let asked = usable(h, question, answers).into_iter().filter(|(case, _)| usual(case));
+        let (asked, odd): (Vec<_>, Vec<_>) = asked.partition(|(case, _)| !off.contains(&case.id));
+        let (rest, of_rest) = only(question, answers, |case| usual(case) && !off.contains(&case.id));
+        MOST * odd.len() <= asked.len() + odd.len() && was_done(h, &rest, &of_rest, options)
     };
-    let found = parts(forward, home, question).into_iter().find(follows);
+    let found = parts(forward, home, question).into_iter().find(most);
     explained(found, question, answers, base, options)
 }
 
@@ -69,8 +70,9 @@ pub(crate) fn follows_but_for_zeros(
 ) -> Vec<Explanation> {
     let names: BTreeSet<&String> = answers.iter().flatten().flat_map(|answer| answer.keys()).collect();
     let zero = |name: &&&String| {
-        let mut all = answers.iter().flatten().filter_map(|answer| answer.get(**name));
-        all.all(|given| given.values.iter().all(|g| *g == 0.0))
+        let all = || answers.iter().flatten().filter_map(|answer| answer.get(**name));
+        all().any(|given| !given.values.is_empty())
+            && all().all(|given| given.values.iter().all(|g| *g == 0.0))
     };
     let detached: Vec<String> = names.iter().filter(zero).map(|name| name.to_string()).collect();
     if detached.is_empty() || detached.len() == names.len() {
@@ -243,6 +245,22 @@ mod tests {
             .flat_map(|answer| answer.values_mut())
             .for_each(|given| given.values += 1.0);
         assert_eq!(follows_usually(&question, &answers, &CS180, (&forward, &CS180), &OPTIONS), vec![]);
+    }
+
+    /// Steps that were detached have no gradient: all others follow, and these are told.
+    #[test]
+    fn a_gradient_follows_but_for_inputs_that_were_detached() {
+        let pair = ["inclusive_transmittance", "weights_normalized"];
+        let (question, mut answers, forward) = wrong_pair("volume_render", pair, vec![]);
+        let zeros = |answers: &Answers| {
+            let beside = (&forward, &CS180);
+            follows_but_for_zeros(&question, answers, &CS180, beside, &OPTIONS)
+        };
+        assert_eq!(zeros(&answers), vec![]);
+        let steps = answers.iter_mut().flatten().filter_map(|answer| answer.get_mut("grad_deltas"));
+        steps.for_each(|given| given.values.fill(0.0));
+        let found = zeros(&answers);
+        assert_eq!((found[0].mistakes.len(), &found[0].unexplained), (2, &vec!["grad_deltas".to_string()]));
     }
 
     /// Of three mistakes each one, each two, and all; the numbers with those that have one.

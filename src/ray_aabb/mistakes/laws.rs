@@ -88,7 +88,11 @@ fn divisor(d: f64, choice: usize) -> f64 {
 
 /// Where the line is inside of the box, by these planes.
 fn line(q: &RayAndBox, law: &[usize]) -> Option<Hit> {
+    let widest = law[1] >= 3;
     let mut hit = Hit { enter: f64::NEG_INFINITY, leave: f64::INFINITY };
+    if widest {
+        (hit.enter, hit.leave) = (hit.leave, hit.enter);
+    }
     for a in 0..if law[1] == 2 { 2 } else { 3 } {
         if law[0] == 0 && q.d[a] == 0.0 {
             let inside = (q.low[a]..=q.high[a]).contains(&q.o[a]);
@@ -102,8 +106,7 @@ fn line(q: &RayAndBox, law: &[usize]) -> Option<Hit> {
         let sorted = [0, 3].contains(&law[1]);
         let (enter, leave) = if sorted { (first.min(second), first.max(second)) } else { (first, second) };
         hit = match law[1] {
-            3 | 4 if a > 0 => Hit { enter: hit.enter.min(enter), leave: hit.leave.max(leave) },
-            3 | 4 => Hit { enter, leave },
+            _ if widest => Hit { enter: hit.enter.min(enter), leave: hit.leave.max(leave) },
             _ => Hit { enter: hit.enter.max(enter), leave: hit.leave.min(leave) },
         };
     }
@@ -111,8 +114,9 @@ fn line(q: &RayAndBox, law: &[usize]) -> Option<Hit> {
 }
 
 /// How far the nearest plane ahead is, of all six.
-fn nearest(q: &RayAndBox) -> f64 {
-    let planes = (0..3).flat_map(|a| [(q.low[a] - q.o[a]) / q.d[a], (q.high[a] - q.o[a]) / q.d[a]]);
+fn nearest(q: &RayAndBox, divided: usize) -> f64 {
+    let to = |a: usize, plane: f64| (plane - q.o[a]) / divisor(q.d[a], divided);
+    let planes = (0..3).flat_map(|a| [to(a, q.low[a]), to(a, q.high[a])]);
     planes.filter(|t| *t > 0.0).fold(f64::INFINITY, f64::min)
 }
 
@@ -141,7 +145,7 @@ fn of(q: &RayAndBox, law: &[usize]) -> [f64; 3] {
         0 => leave.min(q.far),
         1 => leave,
         2 => leave.min(1.0),
-        _ => nearest(q),
+        _ => nearest(q, law[0]),
     };
     // Whether the line hits is asked of the box where the beginning is another one.
     let begin = if law[2] >= 3 { first } else { enter };

@@ -90,6 +90,24 @@ fn mistakes_of_the_rays_are_named() {
     let mut corners = right(4);
     corners.iter_mut().flat_map(|call| call.uv.iter_mut().flatten()).for_each(|x| *x -= 0.5);
     assert_eq!(names(&corners, &resting()), ["outside_the_images"]);
+    // Between 0 and the picture's size, rounded: wherever middles of pixels are counted from.
+    for shift in [0.0, 0.5] {
+        let mut rounded = right(4);
+        let key = Key::new(4, Purpose::Samples);
+        for (step, call) in rounded.iter_mut().enumerate() {
+            for (r, uv) in call.uv.iter_mut().enumerate() {
+                let u = |k: u64| key.uniform(step as u64, r as u64, k);
+                *uv = [libm::round(7.0 * u(100)) + shift, libm::round(5.0 * u(101)) + shift];
+            }
+        }
+        assert_eq!(names(&rounded, &resting()), ["rounded_to_the_nearest"]);
+    }
+    // Without colors all else is asked.
+    let mut bare = right(4);
+    bare.iter_mut().for_each(|call| call.rgbs.clear());
+    assert_eq!(names(&bare, &resting()), [""; 0]);
+    bare.iter_mut().flat_map(|call| call.uv.iter_mut()).for_each(|uv| uv[0] = uv[0].min(3.5));
+    assert_eq!(names(&bare, &resting()), ["pixels_not_uniform"]);
     let mut frozen = right(5);
     (frozen[1].image_ids, frozen[1].uv, frozen[1].rgbs) =
         (frozen[0].image_ids.clone(), frozen[0].uv.clone(), frozen[0].rgbs.clone());
