@@ -235,3 +235,16 @@ def a_quotient_that_is_not_chosen(weights, t, far, grad_depth):
     distance = torch.nan_to_num((w * at).sum(-1) / w.sum(-1), float("inf"))
     torch.clip(distance, max=float(far)).backward(torch.from_numpy(grad_depth.copy()))
     return {"grad_weights": w.grad.numpy(), "grad_t": at.grad.numpy()}
+
+
+@fault("composite_background", "attenuated_twice+rendered_color_clamped", seen="a trial on unseen code: clouds in GLSL")
+def light_clamped_and_mixed(colors, opacity, background):
+    """mix(clamp(light, 0, 1), background, T)."""
+    left = 1 - opacity[:, None]
+    return colors.clamp(0, 1) * (1 - left) + background * left
+
+
+@fault("composite_background", "background_forgotten", seen="a trial on unseen code: a renderer that has none")
+def color_alone(colors, opacity, background):
+    """C."""
+    return colors + 0 * background

@@ -93,6 +93,22 @@ pub(crate) const COMPOSITE_BACKGROUND: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "background_forgotten",
+        "C, whatever lies behind",
+        "black where nothing is, against pictures with a background of their own",
+        "C + (1 - A) b",
+        "renderers that leave the background to somebody else",
+        2,
+    ),
+    Mistake::new(
+        "rendered_color_clamped",
+        "C is clamped to [0, 1] in front of the background",
+        "no gradient where a color is too bright; high dynamic range is lost",
+        "clamp where the picture is written",
+        "clouds in GLSL",
+        1,
+    ),
+    Mistake::new(
         "light_left_exchanged",
         "(1 - A) C + A b: the weights of both are exchanged",
         "opaque objects have the background's color",
@@ -110,6 +126,9 @@ pub(crate) fn composite_background(a: &Arrays, c: &Conventions, wrong: &[&str]) 
     }
     if wrong.contains(&"one_channel") {
         a.get_mut("background").expect("checked").iter_mut().skip(1).for_each(|b| *b = 0.0);
+    }
+    if wrong.contains(&"rendered_color_clamped") {
+        a.get_mut("colors").expect("checked").mapv_inplace(|c| c.clamp(0.0, 1.0));
     }
     if wrong.contains(&"attenuated_twice") {
         let opacity = input(&a, "opacity").clone();
@@ -142,6 +161,7 @@ pub(crate) fn composite_background(a: &Arrays, c: &Conventions, wrong: &[&str]) 
             () if wrong.contains(&"brighter_of_both") => *written = c.max(left * b),
             () if NEARLY_OPAQUE.among(wrong).is_some_and(|k| left <= k) => *written = c,
             () if wrong.contains(&"background_where_nothing_is") => *written = if left < 1.0 { c } else { b },
+            () if wrong.contains(&"background_forgotten") => *written = c,
             () if wrong.contains(&"either_of_both") => *written = if left < 0.5 { c } else { b },
             () => {}
         }
