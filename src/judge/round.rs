@@ -227,9 +227,8 @@ impl Round {
                 if let Some(best) = row.diagnosis.first().filter(|e| e.unexplained.is_empty() && e.wrong()) {
                     beside.insert(question.component.name, best.clone());
                 }
-                // What leaves an output open may have hidden another mistake.
-                let known = row.diagnosis.iter().filter(|e| e.unexplained.is_empty()).map(suspect);
-                let sets = known.filter(|(set, _)| !set.is_empty()).collect::<Vec<_>>();
+                let sets =
+                    row.diagnosis.iter().map(suspect).filter(|(set, _)| !set.is_empty()).collect::<Vec<_>>();
                 suspects.entry(question.component.name).or_default().extend(sets);
                 // Other conventions are no matter of digits.
                 let conventions =

@@ -16,6 +16,9 @@ def held_to(most, t, k):
     "gaussian_projection",
     "slip: another formula: focal lengths (1, 1) in J, and x/z and y/z of J held to nothing, and nothing added to the variances, "
     "and J at (x, y, z) in the world",
+    # Of means nothing is answered.
+    "slip: another formula: focal lengths (1, 1) in J, and x/z and y/z of J held to nothing, and nothing added to the variances, "
+    "and m, as it is in the world, in the camera",
     seen="a trial on unseen code: a renderer in torch, in work",
     gradient="none",
 )

@@ -163,7 +163,8 @@ impl<'a> Diagnosis<'a> {
         let all = possible(question, answers, all, base, options);
         let mut found = self.explaining(0, &all.iter().collect::<Vec<_>>());
         if !found.is_empty() {
-            let alone = sets(question, 1, &[]).into_iter().map(|single| Hypothesis::new(single, *base));
+            let alone =
+                sets(question, 1, &[], false).into_iter().map(|single| Hypothesis::new(single, *base));
             found.extend(alone.filter(|h| explains_all(h, question, answers, options)));
         }
         self.ranked(found)
@@ -213,7 +214,7 @@ impl<'a> Diagnosis<'a> {
         let mut near: Vec<&Partial> = self.open.iter().filter(|p| changed(p) <= CHANGES[count]).collect();
         near.truncate(if self.large { 1 } else { ASSIGNMENTS[count] });
         if let Some((case, _)) = small_cases(self.question, self.answers).first().filter(|_| count == 2) {
-            let pairs = sets(self.question, count, self.suspects).len();
+            let pairs = sets(self.question, count, self.suspects, self.settled).len();
             near.truncate((PAIRS / (self.question.cost(case) * pairs.max(1))).max(1));
         }
         // What known programs do is near, however many conventions they change at once.
@@ -229,7 +230,7 @@ impl<'a> Diagnosis<'a> {
 
     /// The hypotheses of so many mistakes in these conventions that explain every answer.
     fn explaining(&self, count: usize, near: &[&Partial]) -> Vec<Hypothesis> {
-        let sets = sets(self.question, count, self.suspects);
+        let sets = sets(self.question, count, self.suspects, self.settled);
         let (suspected, others): (Vec<_>, Vec<_>) = sets.into_iter().partition(|set| self.suspected(set));
         let mut found = vec![];
         // Ring by ring around the run's own conventions: what needs fewer changes ranks first. One more ring for the runner-up.
@@ -294,15 +295,16 @@ impl<'a> Diagnosis<'a> {
 }
 
 /// Sets of `count` mistakes that this direction can show; pairs in both orders, as their effects needn't commute.
-fn sets(question: &Question, count: usize, suspects: &[Suspect]) -> Vec<Vec<&'static str>> {
+fn sets(question: &Question, count: usize, suspects: &[Suspect], settled: bool) -> Vec<Vec<&'static str>> {
     // Three and more come from the forward answers alone.
     let mut suspected: Vec<_> = suspects
         .iter()
         .filter(|(set, fitted)| fitted.is_empty() && (set.len() == count || count == 2 && set.len() > 2))
         .map(|(set, _)| set.clone())
         .collect();
-    // A gradient has no mistake of the forward function that the forward answers don't show, where they show some.
-    let follows = |m: &Mistake| suspects.is_empty() || suspects.iter().any(|(set, _)| set.contains(&m.name));
+    // A gradient has no mistake of the forward function that the forward answers don't show, where these are explained.
+    let listed = |m: &Mistake| suspects.iter().any(|(set, _)| set.contains(&m.name));
+    let follows = |m: &Mistake| !settled || suspects.is_empty() || listed(m);
     let shown =
         |m: &&Mistake| if question.kind == Kind::Vjp { m.gradient || follows(m) } else { !m.gradient };
     let names: Vec<_> = question.component.mistakes.iter().filter(shown).map(|m| m.name).collect();
