@@ -150,6 +150,8 @@ pub struct Form {
 pub struct Statistics {
     /// Outputs that needn't be answered.
     pub optional: &'static [&'static str],
+    /// The finding behind which nothing else is asked.
+    pub last_word: &'static str,
     /// What the answers show, given in the order of the cases: of the expected shapes, and finite.
     pub findings: for<'a> fn(&'a [Case], &[Arrays], &Conventions) -> Findings<'a>,
 }

@@ -60,7 +60,7 @@ fn folded(x: [f64; 3], norm: ContractionNorm) -> [f64; 3] {
 }
 
 /// What lies within [-2, 2], scaled to the range of the convention.
-pub(crate) fn scaled(y: [f64; 3], range: ContractionRange) -> [f64; 3] {
+fn scaled(y: [f64; 3], range: ContractionRange) -> [f64; 3] {
     match range {
         ContractionRange::Two => y,
         ContractionRange::One => y.map(|y| y / 2.0),

@@ -8,7 +8,7 @@ use super::{Gaussian, backward, between, beyond, jacobian, product, scale, trans
 use crate::contract::arrays::Arrays;
 use crate::contract::component::Mistake;
 use crate::contraction::mistakes::length_of_all;
-use crate::contraction::{backward::contract as point_vjp, contract, length, scaled};
+use crate::contraction::{backward::contract as point_vjp, contract, length};
 use crate::convention::{ContractionNorm, ContractionRange, Conventions};
 
 /// Mistakes of contracted Gaussians.
@@ -208,7 +208,8 @@ fn wrong_mean(
         return contract(x, c.contraction_norm, range);
     }
     let folded = if of_all <= 1.0 { x } else { x.map(|x| (2.0 - 1.0 / of_all) * (x / of_all)) };
-    scaled(folded, range)
+    let middle = contract([0.0; 3], c.contraction_norm, range);
+    [0, 1, 2].map(|a| middle[a] + scale(range) * folded[a])
 }
 
 /// The Jacobian with mistakes in it.

@@ -1,17 +1,13 @@
 //! Rows that are judged by statistics over all of their cases: all or nothing.
 
 use super::answer::{Answer, Answers};
-use super::assignment::assignments;
-use super::diagnosis::evidence::difference;
 use super::exam::Question;
 use super::mark::Marks;
-use super::partial::{Partial, apply, partial};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::contract::component::Mistake;
 use crate::contract::special::{Finding, Findings};
 use crate::convention::Conventions;
-use crate::parallel;
 
 /// What is wrong with an answer as arrays: absent, of a wrong shape, or not finite.
 fn fault(question: &Question, case: &Case, answer: Option<&Answer>, c: &Conventions) -> Option<String> {
@@ -79,25 +75,10 @@ pub fn mark(question: &Question, answers: &Answers, c: &Conventions) -> Marks {
     }
 }
 
-/// The mistakes that the statistics show, in the conventions in which they show fewest, and how these differ from the run's. Where positions
-/// are no pixels nothing else is asked of them: that comes last.
-pub fn mistakes(question: &Question, answers: &Answers, c: &Conventions) -> (Vec<&'static Mistake>, Partial) {
+/// The mistakes that the statistics show in these conventions.
+pub(crate) fn mistakes(question: &Question, answers: &Answers, c: &Conventions) -> Vec<&'static Mistake> {
     let row = |finding: Finding| question.component.mistakes.iter().find(|m| m.name == finding.name);
-    let all = assignments(question.component, c);
-    let differs = |p: &Partial| difference(p, &partial(question.component, c));
-    // Where nothing is wrong in some conventions it is the run that disagrees.
-    if let Some(p) = all.iter().find(|p| plausible(question, answers, &apply(p, c))) {
-        return (vec![], differs(p));
-    }
-    let in_these = |p: &Partial| -> Vec<&'static Mistake> {
-        in_order(question, judged(question, answers, &apply(p, c)).1).into_iter().filter_map(row).collect()
-    };
-    let each = parallel::map(all.len(), |n| in_these(&all[n]));
-    let rank = |(found, _): &(Vec<&Mistake>, &Partial)| {
-        (found.iter().any(|m| m.name == "outside_the_images"), found.len())
-    };
-    let wrong = each.into_iter().zip(&all).filter(|(found, _)| !found.is_empty());
-    wrong.min_by_key(rank).map_or_else(Default::default, |(found, p)| (found, differs(p)))
+    in_order(question, judged(question, answers, c).1).into_iter().filter_map(row).collect()
 }
 
 /// Findings as the row lists its mistakes, which is the order in which a program makes them.

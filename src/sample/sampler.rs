@@ -51,7 +51,7 @@ pub(crate) const SAMPLER: Component = Component {
     special: Special {
         forward_name: "statistics",
         // Jitter and colors are judged if there are any; pixels can't be judged without images.
-        statistics: Some(Statistics { optional: &["rgbs", "t"], findings }),
+        statistics: Some(Statistics { optional: &["rgbs", "t"], last_word: "outside_the_images", findings }),
         ..Special::NONE
     },
 };

@@ -5,7 +5,6 @@ use super::super::assignment::{open, possible, small_cases};
 use super::super::exam::Question;
 use super::super::mark::MarkOptions;
 use super::super::partial::{Partial, apply, changes, partial};
-use super::super::statistics;
 use super::beyond::beyond;
 use super::commoner::commoner;
 use super::effects::{Effects, no_worse};
@@ -19,6 +18,7 @@ use super::imprecise::inaccuracy;
 use super::lawful::lawful;
 use super::peel::peel;
 use super::ranked::ranked;
+use super::shown_together::shown_together;
 use crate::contract::check::Kind;
 use crate::contract::component::Mistake;
 use crate::convention::Conventions;
@@ -62,16 +62,7 @@ pub(crate) fn diagnose_in(
     options: &MarkOptions,
 ) -> Vec<Explanation> {
     if question.statistics() {
-        let (shown, conventions) = statistics::mistakes(question, answers, base);
-        let each = |mistake| Explanation {
-            mistakes: vec![mistake],
-            conventions: conventions.clone(),
-            ..Explanation::default()
-        };
-        // Right in other conventions: it only disagrees with the rest of the run.
-        let alone = (shown.is_empty() && !conventions.is_empty())
-            .then(|| Explanation { conventions: conventions.clone(), ..Explanation::default() });
-        return alone.into_iter().chain(shown.into_iter().map(each)).collect();
+        return shown_together(question, answers, base);
     }
     if no_number_left(question, answers) {
         return vec![];

@@ -12,6 +12,7 @@ mod nudged;
 mod numbered;
 mod numeric;
 mod ranked;
+mod shown_together;
 mod telling;
 mod unread;
 
