@@ -151,6 +151,11 @@ fn beyond(x: [f64; 3], r: f64, limit: f64) -> [f64; 3] {
     x.map(|x| (limit - 1.0 / r) * (x / r))
 }
 
+/// A point by the length of all points together.
+pub(crate) fn by_length_of_all(x: [f64; 3], of_all: f64) -> [f64; 3] {
+    if of_all <= 1.0 { x } else { beyond(x, of_all, 2.0) }
+}
+
 /// The root of the sum of all squares, or the largest of all sizes.
 pub(crate) fn length_of_all(all: &[f64], norm: ContractionNorm) -> f64 {
     match norm {
@@ -200,13 +205,7 @@ fn folded(x: [f64; 3], of_all: f64, norm: ContractionNorm, wrong: &[&str]) -> Op
                 x
             }
         }
-        () if has("norm_of_all_points") => {
-            if of_all <= 1.0 {
-                x
-            } else {
-                beyond(x, of_all, 2.0)
-            }
-        }
+        () if has("norm_of_all_points") => by_length_of_all(x, of_all),
         () if has("norm_squared") => {
             if inside {
                 x

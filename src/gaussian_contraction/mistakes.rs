@@ -7,7 +7,7 @@ use super::backward::bend;
 use super::{Gaussian, backward, between, beyond, jacobian, product, scale, transposed};
 use crate::contract::arrays::Arrays;
 use crate::contract::component::Mistake;
-use crate::contraction::mistakes::length_of_all;
+use crate::contraction::mistakes::{by_length_of_all, length_of_all};
 use crate::contraction::{backward::contract as point_vjp, contract, length};
 use crate::convention::{ContractionNorm, ContractionRange, Conventions};
 
@@ -207,7 +207,7 @@ fn wrong_mean(
     if !wrong.contains(&"norm_of_all_means") {
         return contract(x, c.contraction_norm, range);
     }
-    let folded = if of_all <= 1.0 { x } else { x.map(|x| (2.0 - 1.0 / of_all) * (x / of_all)) };
+    let folded = by_length_of_all(x, of_all);
     let middle = contract([0.0; 3], c.contraction_norm, range);
     [0, 1, 2].map(|a| middle[a] + scale(range) * folded[a])
 }
@@ -257,8 +257,8 @@ fn by_entry(entry: impl Fn(usize, usize) -> f64) -> [[f64; 3]; 3] {
     [0, 1, 2].map(|i| [0, 1, 2].map(|k| entry(i, k)))
 }
 
-/// A Gaussian whose covariance is contracted with mistakes in it, given its Jacobian.
-fn wrong_gaussian(x: &Gaussian, j: [[f64; 3]; 3], c: &Conventions, wrong: &[&str]) -> Gaussian {
+/// A contracted covariance with mistakes in it, given the Jacobian.
+fn wrong_covariance(x: &Gaussian, j: [[f64; 3]; 3], c: &Conventions, wrong: &[&str]) -> [[f64; 3]; 3] {
     let has = |name: &str| wrong.contains(&name);
     let (norm, range) = (c.contraction_norm, c.contraction_range);
     let mut sigma = x.covariance;
@@ -268,7 +268,7 @@ fn wrong_gaussian(x: &Gaussian, j: [[f64; 3]; 3], c: &Conventions, wrong: &[&str
     if has("diagonal_contracted") {
         sigma = by_entry(|i, k| if i == k { sigma[i][i] } else { 0.0 });
     }
-    let covariance = match () {
+    match () {
         () if has("covariance_kept") => x.covariance,
         () if has("one_side_alone") => product(j, sigma),
         () if has("jacobian_everywhere") => j,
@@ -282,8 +282,7 @@ fn wrong_gaussian(x: &Gaussian, j: [[f64; 3]; 3], c: &Conventions, wrong: &[&str
         () if has("covariance_contracted_as_points") => sigma.map(|row| contract(row, norm, range)),
         () if has("squared_jacobian") => product(j, transposed(j)),
         () => between(j, sigma),
-    };
-    Gaussian { mean: x.mean, covariance }
+    }
 }
 
 /// Contracted Gaussians.
@@ -291,8 +290,10 @@ pub(crate) fn contract_gaussians(a: &Arrays, c: &Conventions, wrong: &[&str]) ->
     let all = gaussians(a, "means", "covariances");
     let of_all = length_of_all(&all.iter().flat_map(|x| x.mean).collect::<Vec<_>>(), c.contraction_norm);
     let each = all.iter().zip(wrong_jacobians(&all, of_all, c, wrong));
-    let mean = |x: &Gaussian| wrong_mean(x.mean, of_all, c.contraction_range, c, wrong);
-    let one = |(x, j): (&Gaussian, _)| Gaussian { mean: mean(x), ..wrong_gaussian(x, j, c, wrong) };
+    let one = |(x, j): (&Gaussian, _)| Gaussian {
+        mean: wrong_mean(x.mean, of_all, c.contraction_range, c, wrong),
+        covariance: wrong_covariance(x, j, c, wrong),
+    };
     let out: Vec<Gaussian> = each.map(one).collect();
     named(&out, "contracted_means", "contracted_covariances")
 }

@@ -201,12 +201,8 @@ pub(crate) fn interlevel(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
         [] => oracle(fine, proposal, form(a, c)),
         _ => {
             let form = form(a, c);
-            wrong_loss(
-                fine,
-                proposal,
-                Form { eps: EPS_OF_ITS_OWN.among(wrong).unwrap_or(form.eps), ..form },
-                wrong,
-            )
+            let eps = EPS_OF_ITS_OWN.among(wrong).unwrap_or(form.eps);
+            wrong_loss(fine, proposal, Form { eps, ..form }, wrong)
         }
     })
 }

@@ -254,7 +254,8 @@ struct Fits {
     same: Vec<Vec<bool>>,
 }
 
-/// The case with its points, the first of the inputs, elsewhere, each coordinate by another step: columns that are the same there too are the same function.
+/// The case with its points, the first of the inputs, elsewhere, each coordinate by another step: columns that are the same there too are the
+/// same function.
 fn moved(question: &Question, case: &Case) -> Case {
     let mut case = case.clone();
     let points = case.inputs.get_mut(question.component.inputs[0].name);

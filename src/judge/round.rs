@@ -287,14 +287,12 @@ fn diagnose_beside(
     if whole(&found) {
         return found;
     }
-    let usually = || follows_usually(question, answers, base, (forward, &home), options);
-    let followed = if followed.is_empty() { usually() } else { followed };
-    let followed = if followed.is_empty() {
-        follows_but_for_zeros(question, answers, base, (forward, &home), options)
-    } else {
-        followed
-    };
-    if followed.is_empty() { found } else { followed }
+    if !followed.is_empty() {
+        return followed;
+    }
+    let in_part = [follows_usually, follows_but_for_zeros].into_iter();
+    let mut in_part = in_part.map(|follows| follows(question, answers, base, (forward, &home), options));
+    in_part.find(|followed| !followed.is_empty()).unwrap_or(found)
 }
 
 /// Whether the answers are right but for lost bits (`most` of them), in the run's conventions or those next to them.

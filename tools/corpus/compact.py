@@ -502,10 +502,10 @@ def gradient_within_fifteen(x):
     return ClippedSlope.apply(x)
 
 
-def mixed_by_hash(x, levels, sizes, place, vertex, entry):
+def mixed_by_hash(x, base, finest, rest, place, vertex, entry):
     """Trilinear interpolation of hashed entries: where a point lies, which vertices that is between, and which entry each has."""
-    out = []
-    for table, n in zip(levels, sizes):
+    out, levels = [], tables(rest)
+    for table, n in zip(levels, resolutions(base, finest, len(levels), np.floor)):
         at = place(x * n, n)
         cell = torch.floor(at)
         part, total = at - cell, 0
@@ -526,15 +526,12 @@ def mixed_by_hash(x, levels, sizes, place, vertex, entry):
 )
 def last_cell_unused(x, base, finest, **rest):
     """min(x n, n - 1.0001), always hashed, by primes that begin with the second."""
-    levels = tables(rest)
 
     def hashed(v, n, size):
         a, b, c = (v[:, k] * p for k, p in enumerate((2654435761, 805459861, 3674653429)))
         return ((a ^ b ^ c) & 0xFFFFFFFF) % size
 
-    return mixed_by_hash(
-        x, levels, resolutions(base, finest, len(levels), np.floor), lambda at, n: at.clamp(max=n - 1.0001), lambda v, n: v, hashed
-    )
+    return mixed_by_hash(x, base, finest, rest, lambda at, n: at.clamp(max=n - 1.0001), lambda v, n: v, hashed)
 
 
 @fault(
@@ -546,9 +543,8 @@ def last_cell_unused(x, base, finest, **rest):
 )
 def sums_around_the_grid(x, base, finest, **rest):
     """Vertices modulo n; a sum of products for their xor, modulo min(T, n^3)."""
-    levels = tables(rest)
 
     def summed(v, n, size):
         return ((v * torch.tensor(PRIMES)).sum(-1) & 0xFFFFFFFF) % min(size, n**3)
 
-    return mixed_by_hash(x, levels, resolutions(base, finest, len(levels), np.floor), lambda at, n: at, lambda v, n: v % n, summed)
+    return mixed_by_hash(x, base, finest, rest, lambda at, n: at, lambda v, n: v % n, summed)

@@ -99,7 +99,7 @@ def capped_at_0_995(alphas, rgbs):
 @fault(
     "volume_render",
     "slip: another formula: delta_i = (t_{i+1} - t_{i-1}) / 2, t_1 - t_0 for the first",
-    seen="a trial on unseen code: np.gradient-like steps, inside of the renderer",
+    seen="a trial on unseen code: a march whose steps are central differences",
 )
 def steps_to_both_sides(sigmas, rgbs, deltas):
     """Half of both gaps; the first gap whole."""
@@ -124,7 +124,7 @@ def light_for_opacity(sigmas, rgbs, deltas):
 @fault(
     "volume_render_alpha",
     "slip: another formula: C = (1 - w_i) C + w_i c_i, sample by sample, and an end in front of a sample where T < 0.01",
-    seen="a trial on unseen code: smoke in a game",
+    seen="a trial on unseen code: Gaussians in a plane, by hand",
     gradient="none",
     arrays="numpy",
 )

@@ -40,8 +40,8 @@ pub(crate) const OF_SPLATS: Laws = Laws {
         8 => format!("radius = {}", RADIUS[choice]),
         9 => format!("depth = {}", DEPTH[choice]),
         10 => format!("J at {}", AT[choice]),
-        12 => format!("{} in the camera", CAMERA[choice]),
-        _ => format!("divided by {} in the mean and in J", DIVISOR[choice]),
+        11 => format!("divided by {} in the mean and in J", DIVISOR[choice]),
+        _ => format!("{} in the camera", CAMERA[choice]),
     },
     of: |a, c, law| {
         let view = view(a);
@@ -164,8 +164,8 @@ fn placed(mean: [f64; 3], t: [f64; 3], view: &View, form: Form, law: &[usize]) -
         10 => [k.fx * x + 0.5 * view.width - shift, k.fy * y + 0.5 * view.height - shift],
         11 => [k.fx * x, k.fy * y],
         12 => [x, y],
-        16 => [k.fx * x + 0.5 * view.width - shift, k.fx * y + 0.5 * view.height - shift],
         14 => [k.fx * mean[0] / mean[2] + center[0], k.fy * mean[1] / mean[2] + center[1]],
+        16 => [k.fx * x + 0.5 * view.width - shift, k.fx * y + 0.5 * view.height - shift],
         _ => {
             let of = |u: f64, size: f64| u * (size - 1.0) / size;
             let [u, v] = [of(k.fx * x + k.cx, view.width), of(k.fy * y + k.cy, view.height)];

@@ -7,7 +7,7 @@ use super::super::mark::MarkOptions;
 use super::super::partial::{Partial, apply, changes, partial};
 use super::beyond::beyond;
 use super::commoner::commoner;
-use super::effects::{Effects, no_worse};
+use super::effects::{Effects, Failing};
 use super::evidence::{
     Explanation, Suspect, difference, explains_all, forward_is_the_same, no_number_left, nothing_but_zero,
     shows,
@@ -195,7 +195,8 @@ impl<'a> Diagnosis<'a> {
     fn two_mistakes(&self) -> Vec<Explanation> {
         let Diagnosis { question, answers, base, options, .. } = *self;
         let mut near = self.near(2);
-        near.retain(|p| no_worse(question, answers, (base, &apply(p, base)), options));
+        let home = Failing::new(question, answers, base, options).filter(|_| question.kind == Kind::Forward);
+        near.retain(|p| home.as_ref().is_none_or(|home| home.kept_by(question, &apply(p, base), options)));
         self.ranked(self.explaining(2, &near))
     }
 
@@ -223,23 +224,25 @@ impl<'a> Diagnosis<'a> {
     fn explaining(&self, count: usize, near: &[&Partial]) -> Vec<Hypothesis> {
         let sets = sets(self.question, count, self.suspects, self.settled);
         let (suspected, others): (Vec<_>, Vec<_>) = sets.into_iter().partition(|set| self.suspected(set));
+        let shown = |h: &Hypothesis| shows(h, self.question, self.answers, self.options);
         let mut found = vec![];
         // Ring by ring around the run's own conventions: what needs fewer changes ranks first. One more ring for the runner-up.
         for ring in near.chunk_by(|a, b| changes(a, &self.home) == changes(b, &self.home)) {
             let had = !found.is_empty();
-            let mut of_ring = self.explaining_in(&suspected, ring);
-            of_ring.retain(|h| shows(h, self.question, self.answers, self.options));
+            let mut of_suspected = self.explaining_in(&suspected, ring);
+            of_suspected.retain(shown);
             // What the forward answers showed has no rival in a gradient: the numeric gradients of all others take a minute.
-            let settled = self.question.kind == Kind::Vjp && !of_ring.is_empty();
-            if !settled {
-                of_ring.extend(self.explaining_in(&others, ring));
+            if !of_suspected.is_empty() {
+                found.retain(shown);
+                found.extend(of_suspected);
+                return found;
             }
-            found.extend(of_ring);
-            if had || settled {
+            found.extend(self.explaining_in(&others, ring));
+            if had {
                 break;
             }
         }
-        found.retain(|h| shows(h, self.question, self.answers, self.options));
+        found.retain(shown);
         found
     }
 
@@ -310,8 +313,9 @@ fn sets(question: &Question, count: usize, suspects: &[Suspect], settled: bool) 
             own.iter().flat_map(|a| others(*a)).collect()
         }
     };
-    suspected.extend(sets);
     suspected.dedup();
+    let others: Vec<_> = sets.into_iter().filter(|set| !suspected.contains(set)).collect();
+    suspected.extend(others);
     suspected
 }
 
@@ -359,6 +363,20 @@ mod tests {
             let found = said((name, Kind::Forward), &right, &[], |x| 0.7 * (977.0 * x).sin() + 0.13);
             assert!(found.is_empty(), "{name}: {found:?}");
         }
+    }
+
+    /// Where the forward answers are explained, a gradient has their mistakes and those of gradients alone.
+    #[test]
+    fn a_gradient_has_no_other_mistake_of_the_forward_function() {
+        let exam = Exam::new("volume_render", Dtype::F32, None).unwrap();
+        let question = exam.questions.iter().find(|q| q.kind == Kind::Vjp).expect("it has a gradient");
+        let suspects = [(vec!["delta_missing"], vec![])];
+        let tried = |settled| sets(question, 1, &suspects, settled);
+        let forward = |all: Vec<Vec<&'static str>>| -> Vec<Vec<&'static str>> {
+            all.into_iter().filter(|set| of_forward(question, set)).collect()
+        };
+        assert_eq!(forward(tried(true)), [["delta_missing"]]);
+        assert!(forward(tried(false)).len() > 50 && tried(true).len() > 1);
     }
 
     #[test]

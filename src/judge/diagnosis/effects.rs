@@ -3,13 +3,47 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::super::answer::Answers;
+use super::super::answer::{Answer, Answers};
 use super::super::assignment::small_cases;
 use super::super::exam::Question;
 use super::super::mark::MarkOptions;
 use super::hypothesis::Hypothesis;
-use crate::contract::check::Kind;
+use crate::contract::arrays::Arrays;
+use crate::contract::case::Case;
 use crate::convention::Conventions;
+
+/// The smallest case that the right formula doesn't explain in some conventions.
+pub(super) struct Failing<'a> {
+    case: &'a Case,
+    answer: &'a Answer,
+    /// Its outputs that are right.
+    kept: Vec<&'a str>,
+    expected: Arrays,
+}
+
+impl<'a> Failing<'a> {
+    /// `None` where the right formula explains all cases.
+    pub(super) fn new(
+        question: &'a Question,
+        answers: &'a Answers,
+        c: &Conventions,
+        options: &MarkOptions,
+    ) -> Option<Self> {
+        let right = Hypothesis::new(vec![], *c);
+        let mut cases = small_cases(question, answers).into_iter();
+        let (case, answer) = cases.find(|(case, answer)| !right.explains(question, case, answer, options))?;
+        let mut kept: Vec<&str> = answer.keys().map(String::as_str).collect();
+        let expected = right.keep_explained(question, case, answer, options, &mut kept);
+        Some(Failing { case, answer, kept, expected })
+    }
+
+    /// Whether what is right is right in other conventions too: mistakes don't put right again what these have made wrong.
+    pub(super) fn kept_by(&self, question: &Question, other: &Conventions, options: &MarkOptions) -> bool {
+        let mut left = self.kept.clone();
+        Hypothesis::new(vec![], *other).keep_explained(question, self.case, self.answer, options, &mut left);
+        left == self.kept
+    }
+}
 
 /// What single mistakes do to the smallest case that the right formula doesn't explain in some conventions.
 pub(super) struct Effects {
@@ -27,12 +61,7 @@ impl Effects {
         c: &Conventions,
         options: &MarkOptions,
     ) -> Option<Self> {
-        let right = Hypothesis::new(vec![], *c);
-        let cases = small_cases(question, answers);
-        let (case, answer) =
-            cases.into_iter().find(|(case, answer)| !right.explains(question, case, answer, options))?;
-        let mut kept: Vec<&str> = answer.keys().map(String::as_str).collect();
-        let expected = right.keep_explained(question, case, answer, options, &mut kept);
+        let Failing { case, answer, kept, expected } = Failing::new(question, answers, c, options)?;
         let wrong: BTreeSet<String> =
             answer.keys().filter(|n| !kept.contains(&n.as_str())).cloned().collect();
         let of = |name: &'static str| {
@@ -55,25 +84,6 @@ impl Effects {
     }
 }
 
-/// Whether what the right formula explains in the run's conventions, of the smallest case that it doesn't explain whole, it explains in others
-/// too: mistakes don't put right again what other conventions have made wrong.
-pub(super) fn no_worse(
-    question: &Question,
-    answers: &Answers,
-    (base, other): (&Conventions, &Conventions),
-    options: &MarkOptions,
-) -> bool {
-    let (home, right) = (Hypothesis::new(vec![], *base), Hypothesis::new(vec![], *other));
-    let mut cases = small_cases(question, answers).into_iter();
-    let failing = cases.find(|(case, answer)| !home.explains(question, case, answer, options));
-    let Some((case, answer)) = failing.filter(|_| question.kind == Kind::Forward) else { return true };
-    let mut kept: Vec<&str> = answer.keys().map(String::as_str).collect();
-    home.keep_explained(question, case, answer, options, &mut kept);
-    let mut left = kept.clone();
-    right.keep_explained(question, case, answer, options, &mut left);
-    left == kept
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::fitted::tests::answered;
@@ -88,10 +98,8 @@ mod tests {
         let exam = Exam::new("render_trace", Dtype::F64, None).unwrap();
         let (question, options) = (&exam.questions[0], MarkOptions { dtype: Dtype::F64, exp_ulp: 4.0 });
         let answers = answered(question, Dtype::F64, &["inclusive_transmittance"]);
-        let worse = |key, value| {
-            let other = CS180.with(key, value).expect("listed");
-            !no_worse(question, &answers, (&CS180, &other), &options)
-        };
+        let home = Failing::new(question, &answers, &CS180, &options).expect("it is wrong");
+        let worse = |key, value| !home.kept_by(question, &CS180.with(key, value).expect("listed"), &options);
         assert!(worse("axes", "opengl"));
         assert!(!worse("product_eps", "1e-10"));
     }

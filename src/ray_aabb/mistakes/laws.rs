@@ -89,10 +89,8 @@ fn divisor(d: f64, choice: usize) -> f64 {
 /// Where the line is inside of the box, by these planes.
 fn line(q: &RayAndBox, law: &[usize]) -> Option<Hit> {
     let widest = law[1] >= 3;
-    let mut hit = Hit { enter: f64::NEG_INFINITY, leave: f64::INFINITY };
-    if widest {
-        (hit.enter, hit.leave) = (hit.leave, hit.enter);
-    }
+    let ends = if widest { f64::INFINITY } else { f64::NEG_INFINITY };
+    let mut hit = Hit { enter: ends, leave: -ends };
     for a in 0..if law[1] == 2 { 2 } else { 3 } {
         if law[0] == 0 && q.d[a] == 0.0 {
             let inside = (q.low[a]..=q.high[a]).contains(&q.o[a]);
@@ -105,9 +103,10 @@ fn line(q: &RayAndBox, law: &[usize]) -> Option<Hit> {
         let (first, second) = ((q.low[a] - q.o[a]) / by, (q.high[a] - q.o[a]) / by);
         let sorted = [0, 3].contains(&law[1]);
         let (enter, leave) = if sorted { (first.min(second), first.max(second)) } else { (first, second) };
-        hit = match law[1] {
-            _ if widest => Hit { enter: hit.enter.min(enter), leave: hit.leave.max(leave) },
-            _ => Hit { enter: hit.enter.max(enter), leave: hit.leave.min(leave) },
+        hit = if widest {
+            Hit { enter: hit.enter.min(enter), leave: hit.leave.max(leave) }
+        } else {
+            Hit { enter: hit.enter.max(enter), leave: hit.leave.min(leave) }
         };
     }
     Some(hit)
