@@ -206,7 +206,9 @@ def inputs_of(cases, case, dtype, style, device):
 
         short = torch.bfloat16 if dtype == "bf16" else None
         # Whole numbers stay what they are: bfloat16 holds none beyond 256 exactly.
-        lifted = lambda x: torch.from_numpy(x).to(device, short if x.dtype.kind == "f" else None)  # noqa: E731
+        # Copied: what autograd keeps of an error is freed behind the interpreter's end, where numpy's memory can't be, and the program
+        # never ends.
+        lifted = lambda x: torch.from_numpy(x).to(device, short if x.dtype.kind == "f" else None, copy=True)  # noqa: E731
         return {n: lifted(x) if x.ndim else x.item() for n, x in inputs.items()}
     return {name: x if x.ndim else x.item() for name, x in inputs.items()}
 

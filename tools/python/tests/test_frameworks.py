@@ -1,5 +1,8 @@
 """Functions of torch and jax: found, differentiated, dealt their numbers. Skipped where these aren't installed."""
 
+import subprocess
+import sys
+
 import nerf_oracle as no
 import numpy as np
 import pytest
@@ -36,6 +39,28 @@ def test_torch_with_its_gradient(torch, dtype):
     report = no.judge(volume_render=kernel, dtype=dtype)
     assert report.passed and report["volume_render", "vjp"].verdict == "pass", report
     assert types == {{"f64": "torch.float64", "f32": "torch.float32", "bf16": "torch.bfloat16"}[dtype]}
+
+
+def test_a_program_ends_where_a_gradient_could_not_be_had(torch):
+    program = """
+import nerf_oracle as no
+import torch
+
+def early_stop(sigmas, rgbs, deltas, offsets, eps):
+    colors, opacity = [], []
+    for begin, end in zip(offsets[:-1], offsets[1:]):
+        light, seen, left = 1.0, sigmas.new_zeros(3), sigmas.new_zeros(())
+        for i in range(begin, end):
+            alpha = 1 - (-sigmas[i] * deltas[i]).exp()
+            seen, left = seen + light * alpha * rgbs[i], left + light * alpha
+            light *= 1 - alpha
+        colors, opacity = colors + [seen], opacity + [left]
+    return {"colors": torch.stack(colors), "opacity": torch.stack(opacity)}
+
+print(no.judge(early_stop=early_stop, dtype="f64"))
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0 and "modified by an inplace operation" in done.stdout, done.stderr
 
 
 def test_a_wrong_gradient_is_named_as_the_gradient_s(torch):

@@ -73,10 +73,11 @@ class Torch(Framework):
     name, short = "torch", "bfloat16"
 
     def array(self, x, stored):
-        """A tensor on the device."""
+        """A tensor on the device, in memory of torch's own: what autograd keeps of an error is freed behind the interpreter's end, where
+        numpy's memory can't be, and the program never ends."""
         if stored in ("i64", "u8"):
-            return self.module.from_numpy(Framework.array(self, x, stored)).to(self.device)
-        return self.module.from_numpy(np.array(x)).to(getattr(self.module, self.short_or(stored))).to(self.device)
+            return self.module.from_numpy(Framework.array(self, x, stored)).to(self.device, copy=True)
+        return self.module.from_numpy(np.array(x)).to(self.device, getattr(self.module, self.short_or(stored)), copy=True)
 
     def zeros(self, shape, like):
         """Zeros beside another tensor."""
@@ -96,7 +97,7 @@ class Torch(Framework):
         if not smooth:
             return None, list(outputs)
         cotangents = cotangents or {n: np.ones(x.shape) for n, x in smooth.items()}
-        given = [torch.from_numpy(np.array(cotangents[n])).to(x).reshape(x.shape) for n, x in smooth.items()]
+        given = [torch.from_numpy(np.array(cotangents[n])).to(x, copy=True).reshape(x.shape) for n, x in smooth.items()]
         given = [self.with_gaps(g) if strided and g.ndim else g for g in given]
         found = torch.autograd.grad(list(smooth.values()), list(leaves.values()), given, allow_unused=True)
         return {n: torch.zeros_like(x) if g is None else g for (n, x), g in zip(leaves.items(), found)}, list(outputs)
