@@ -9,18 +9,17 @@ use super::beyond::beyond;
 use super::commoner::commoner;
 use super::effects::{Effects, Failing};
 use super::evidence::{
-    Explanation, Suspect, difference, explains_all, forward_is_the_same, no_number_left, nothing_but_zero,
-    shows,
+    Explanation, Suspect, explains_all, forward_is_the_same, no_number_left, nothing_but_zero, shows,
 };
 use super::fitted::fitting;
 use super::hypothesis::{Hypothesis, of_forward};
-use super::imprecise::inaccuracy;
+use super::imprecise::{inaccuracy, lost_digits, rather_lost};
 use super::lawful::lawful;
 use super::peel::peel;
 use super::ranked::ranked;
+use super::sets::sets;
 use super::shown_together::shown_together;
 use crate::contract::check::Kind;
-use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 use crate::convention::profiles::PROFILES;
 use crate::parallel;
@@ -169,18 +168,18 @@ impl<'a> Diagnosis<'a> {
         let mut found = self.explaining(1, &near);
         if !found.is_empty() {
             found.extend(commoner(&found, question, answers, options));
-            return (self.ranked(found), vec![]);
+            return (self.unless_lost(found, &near), vec![]);
         }
         if !self.large && !nothing_but_zero(question, answers) {
             let numbers = fitting(question, answers, base, &self.applied(&near), self.suspects, options);
             if numbers.iter().any(Hypothesis::plain_numbers) {
-                return (self.ranked(numbers), vec![]);
+                return (self.unless_lost(numbers, &near), vec![]);
             }
             if !numbers.is_empty() {
                 return (vec![], numbers);
             }
         }
-        let Some((h, residual)) = inaccuracy(&near, question, answers, base, options) else {
+        let Some(lost) = inaccuracy(&near, question, answers, base, options) else {
             return (vec![], vec![]);
         };
         // What an eps does near 0 is no rounding, where it is shown better than that.
@@ -188,8 +187,13 @@ impl<'a> Diagnosis<'a> {
         if laws.first().is_some_and(Explanation::whole) {
             return (laws, vec![]);
         }
-        let conventions = difference(&partial(question.component, &h.conventions), &self.home);
-        (vec![Explanation { conventions, residual, inaccurate: true, ..Explanation::default() }], vec![])
+        (vec![lost_digits(lost, question, &self.home)], vec![])
+    }
+
+    fn unless_lost(&self, found: Vec<Hypothesis>, near: &[&Partial]) -> Vec<Explanation> {
+        let found = self.ranked(found);
+        let lost = rather_lost(&found, near, self.question, self.answers, self.base, self.options);
+        lost.map_or(found, |lost| vec![lost_digits(lost, self.question, &self.home)])
     }
 
     fn two_mistakes(&self) -> Vec<Explanation> {
@@ -286,37 +290,6 @@ impl<'a> Diagnosis<'a> {
     fn ranked(&self, found: Vec<Hypothesis>) -> Vec<Explanation> {
         ranked(found, self.question, self.answers, &self.home, self.options)
     }
-}
-
-/// Sets of `count` mistakes that this direction can show; pairs in both orders, as their effects needn't commute.
-fn sets(question: &Question, count: usize, suspects: &[Suspect], settled: bool) -> Vec<Vec<&'static str>> {
-    // Three and more come from the forward answers alone.
-    let mut suspected: Vec<_> = suspects
-        .iter()
-        .filter(|(set, fitted)| fitted.is_empty() && (set.len() == count || count == 2 && set.len() > 2))
-        .map(|(set, _)| set.clone())
-        .collect();
-    // A gradient has no mistake of the forward function that the forward answers don't show, where these are explained.
-    let listed = |m: &Mistake| suspects.iter().any(|(set, _)| set.contains(&m.name));
-    let follows = |m: &Mistake| !settled || suspects.is_empty() || listed(m);
-    let shown =
-        |m: &&Mistake| if question.kind == Kind::Vjp { m.gradient || follows(m) } else { !m.gradient };
-    let names: Vec<_> = question.component.mistakes.iter().filter(shown).map(|m| m.name).collect();
-    // Numeric gradients of pairs would take minutes: of the forward function's mistakes only pairs that its answers suggest.
-    let own = |m: &&Mistake| question.kind == Kind::Forward || m.gradient;
-    let own: Vec<_> = question.component.mistakes.iter().filter(own).filter(shown).map(|m| m.name).collect();
-    let sets: Vec<Vec<&'static str>> = match count {
-        0 => vec![vec![]],
-        1 => names.iter().map(|name| vec![*name]).collect(),
-        _ => {
-            let others = |a| own.iter().filter(move |b| **b != a).map(move |b| vec![a, *b]);
-            own.iter().flat_map(|a| others(*a)).collect()
-        }
-    };
-    suspected.dedup();
-    let others: Vec<_> = sets.into_iter().filter(|set| !suspected.contains(set)).collect();
-    suspected.extend(others);
-    suspected
 }
 
 #[cfg(test)]

@@ -161,6 +161,21 @@ pub(crate) fn shows(h: &Hypothesis, question: &Question, answers: &Answers, opti
     lost.most > 1.0 && nearer || MUCH_BETTER * wrong.most < lost.most || repeats(h, question, &cases, options)
 }
 
+/// Whether the right formula gives the same in other conventions: a scale of 1/2 where the frequencies are those of 2 pi.
+pub(crate) fn only_renames(
+    h: &Hypothesis,
+    others: &[Conventions],
+    question: &Question,
+    answers: &Answers,
+    options: &MarkOptions,
+) -> bool {
+    let same = |c: &Conventions| {
+        let right = Hypothesis::new(vec![], *c);
+        usable(h, question, answers).iter().all(|(case, _)| right.same_as(h, question, case, options))
+    };
+    others.iter().any(same)
+}
+
 /// Whether the right formula gives the same in both, up to rounding, on the inputs of all cases.
 pub(crate) fn forward_is_the_same(
     question: &Question,

@@ -7,9 +7,9 @@ use ndarray::ArrayD;
 use super::super::answer::{Answer, Answers, reshaped};
 use super::super::exam::Question;
 use super::super::mark::{MarkOptions, proves};
-use super::super::partial::{Partial, apply};
+use super::super::partial::{Partial, apply, partial};
 use super::super::within::within;
-use super::evidence::{Explanation, explains_all, largest_residual, usable};
+use super::evidence::{Explanation, difference, explains_all, largest_residual, usable};
 use super::hypothesis::Hypothesis;
 use super::slips::each::rounded;
 use crate::contract::arithmetic::{Arithmetic, Dtype, Grade};
@@ -150,6 +150,36 @@ pub(crate) fn inaccuracy(
     let residual = largest_residual(&h, question, answers, options);
     Some((h, residual))
 }
+
+/// What is said of lost digits; conventions as they differ from `home`.
+pub(crate) fn lost_digits(
+    (right, residual): (Hypothesis, f64),
+    question: &Question,
+    home: &Partial,
+) -> Explanation {
+    let conventions = difference(&partial(question.component, &right.conventions), home);
+    Explanation { conventions, residual, inaccurate: true, ..Explanation::default() }
+}
+
+/// Lost digits in the place of mistakes that explain the answers no closer than these do: what is wrong by a formula is as close as
+/// rounding is to the right one.
+pub(crate) fn rather_lost(
+    mistakes: &[Explanation],
+    near: &[&Partial],
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) -> Option<(Hypothesis, f64)> {
+    if mistakes.iter().any(|e| e.residual < NO_CLOSER) {
+        return None;
+    }
+    let (h, residual) = inaccuracy(near, question, answers, base, options)?;
+    lost_bits(question, answers, &h.conventions, options).map(|_| (h, residual))
+}
+
+/// The share of what wrong code may be off that a mistake uses where it explains the answers no closer than lost digits do.
+const NO_CLOSER: f64 = 0.5;
 
 /// Whether answers are off by less than a part of an array's size, or of their own.
 fn digits_are_left(expected: &ArrayD<f64>, given: &ArrayD<f64>) -> bool {

@@ -2,8 +2,6 @@
 
 use std::collections::BTreeSet;
 
-use ndarray::ArrayD;
-
 use super::super::answer::{Answer, Answers, Given};
 use super::super::assignment::{nearest, small_cases};
 use super::super::exam::Question;
@@ -13,11 +11,10 @@ use super::super::within::largest_of;
 use super::evidence::{Explanation, only};
 use super::hypothesis::Hypothesis;
 use super::nearness::likely;
-use super::slips::misdone::proved;
+use super::slips::proved::proved;
 use super::slips::slip::{LawSlip, Slip};
 use super::slips::slipping::{attempt, conventions};
 use super::telling::by_chance;
-use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::contract::check::Kind;
 use crate::contract::laws::Laws;
@@ -25,17 +22,13 @@ use crate::convention::Conventions;
 use crate::parallel;
 
 /// Numbers that all formulas together may compute on the case that they are tried on first; and as many again, output by output.
-const WORK: usize = 6_000_000;
+pub(super) const WORK: usize = 6_000_000;
 
 /// The conventions in which formulas are tried that differ from the right one in one part, in two, and in three.
-const TRIED: [usize; 3] = [12, 6, 3];
+pub(super) const TRIED: [usize; 3] = [12, 6, 3];
 
-/// Those in which they are found output by output, and the number of parts of which one output may show that they are wrong.
-const STEPPED: usize = 2;
-const AT_ONCE: usize = 4;
-
-/// Numbers that all formulas may compute that are wrong in so many parts which reach one output.
-const MANY: usize = 20_000_000;
+/// Those in which they are found output by output.
+pub(super) const STEPPED: usize = 2;
 
 /// What is near: this share of a number, and the square of it of the largest. What the formula is not, and an eps or a cap beside it is, is nearer
 /// than that in most numbers; what isn't the formula seldom is.
@@ -57,15 +50,15 @@ pub(super) fn lawful(
 
 /// A search among the formulas of a row.
 pub(super) struct Search<'a> {
-    question: &'a Question,
+    pub(super) question: &'a Question,
     answers: &'a Answers,
     base: &'a Conventions,
-    options: &'a MarkOptions,
-    laws: Laws,
+    pub(super) options: &'a MarkOptions,
+    pub(super) laws: Laws,
     /// The cases, the smallest first.
-    cases: Vec<(&'a Case, &'a Answer)>,
+    pub(super) cases: Vec<(&'a Case, &'a Answer)>,
     /// The outputs that are answered anywhere.
-    outputs: BTreeSet<&'a str>,
+    pub(super) outputs: BTreeSet<&'a str>,
     /// The conventions in which they are tried, each with the smallest case that the right formula doesn't explain in them.
     nearby: Vec<(usize, Conventions)>,
 }
@@ -99,7 +92,7 @@ impl<'a> Search<'a> {
         Some(Search { question, answers, base, options, laws, cases, outputs, nearby })
     }
 
-    fn hypothesis(&self, choices: &[usize], c: &Conventions) -> Hypothesis {
+    pub(super) fn hypothesis(&self, choices: &[usize], c: &Conventions) -> Hypothesis {
         let forward = self.question.kind == Kind::Forward;
         let law = LawSlip {
             choices: choices.to_vec(),
@@ -182,7 +175,7 @@ impl<'a> Search<'a> {
     }
 
     /// In how many outputs of a case most numbers are about what a formula gives: what most formulas are rejected by, for it costs little.
-    fn near(&self, law: &[usize], case: usize, c: &Conventions) -> usize {
+    pub(super) fn near(&self, law: &[usize], case: usize, c: &Conventions) -> usize {
         let (case, answer) = self.cases[case];
         let Some(predicted) = attempt(|| (self.laws.of)(&case.inputs, c, law)) else { return 0 };
         let about = |(name, given): &(&String, &Given)| {
@@ -200,108 +193,6 @@ impl<'a> Search<'a> {
     fn proved(&self, near: Vec<(usize, Hypothesis)>, tried: usize) -> Vec<Explanation> {
         let nearby: Vec<Conventions> = self.nearby.iter().map(|(_, c)| *c).collect();
         proved(near, by_chance(tried), &nearby, self.question, self.answers, self.base, self.options)
-    }
-
-    /// The formula that explains all outputs, found as one after the other shows what is wrong with it: what explains some of them stays.
-    fn by_outputs(&self, failing: usize, c: &Conventions, tried: &mut usize) -> Option<Hypothesis> {
-        let reached = self.reached(c);
-        let cost = self.question.cost(self.cases[failing].0);
-        let mut law = vec![0; self.laws.choices.len()];
-        let mut explained = self.explained(&law, failing, c, 0);
-        // What shows in a single output is known already but for what is wrong in more parts at once.
-        let most = if self.outputs.len() == 1 { 0 } else { TRIED.len() };
-        while explained.len() < self.outputs.len() {
-            let left: Vec<&str> =
-                self.outputs.difference(&explained.iter().copied().collect()).copied().collect();
-            let reaches = |part: usize, name: &str| law[part] == 0 && reached[part].contains(name);
-            let needed = |part: &usize| left.iter().any(|name| reaches(*part, name));
-            // What is wrong with those that are left may need another part that puts right again what was explained.
-            let touched: BTreeSet<&String> =
-                (0..law.len()).filter(needed).flat_map(|part| &reached[part]).collect();
-            let some = |part: usize| touched.iter().any(|name| reaches(part, name));
-            let (mut found, mut affordable) = (None, WORK / STEPPED / cost);
-            for parts in 1..=most {
-                let all = self.laws.differing(parts, some, affordable);
-                affordable -= all.len();
-                found = self.better(&law, all, failing, c, &explained, tried);
-                if found.is_some() {
-                    break;
-                }
-            }
-            // The output that the fewest parts reach may show that many are wrong.
-            let first =
-                left.iter().min_by_key(|name| reached.iter().filter(|of| of.contains(**name)).count());
-            let free = |part: usize| first.is_some_and(|name| reaches(part, name));
-            let mut many = (TRIED.len()..=AT_ONCE).filter_map(|parts| {
-                let all = self.laws.differing(parts, free, MANY / cost);
-                self.better(&law, all, failing, c, &explained, tried)
-            });
-            (explained, law) = found.or_else(|| many.next())?;
-        }
-        Some(self.hypothesis(&law, c))
-    }
-
-    /// A formula that differs in some of these parts, too, and explains more outputs: the most of all, and which.
-    fn better(
-        &self,
-        law: &[usize],
-        others: Vec<Vec<usize>>,
-        failing: usize,
-        c: &Conventions,
-        explained: &[&str],
-        tried: &mut usize,
-    ) -> Option<(Vec<&'a str>, Vec<usize>)> {
-        let joined = |other: Vec<usize>| law.iter().zip(other).map(|(a, b)| a + b).collect();
-        let all: Vec<Vec<usize>> = others.into_iter().map(joined).collect();
-        *tried += all.len();
-        let known = explained.len();
-        let those = parallel::map(all.len(), |n| {
-            let near = self.near(&all[n], failing, c) > known;
-            if near { self.explained(&all[n], failing, c, known) } else { vec![] }
-        });
-        let most = those.into_iter().zip(all).rev().max_by_key(|(those, _)| those.len());
-        most.filter(|(those, _)| those.len() > known)
-    }
-
-    /// The outputs that the choices of each part change, in some case.
-    fn reached(&self, c: &Conventions) -> Vec<BTreeSet<String>> {
-        let right = vec![0; self.laws.choices.len()];
-        let of = |case: &Case, law: &[usize]| attempt(|| (self.laws.of)(&case.inputs, c, law));
-        let cases = || self.cases.iter().filter(|(case, _)| case.finite());
-        let expected: Vec<_> = cases().map(|(case, _)| of(case, &right)).collect();
-        let changed = |part: usize, choice: usize| -> BTreeSet<String> {
-            let law: Vec<usize> = (0..right.len()).map(|n| if n == part { choice } else { 0 }).collect();
-            let with = |((case, _), expected): (&(&Case, &Answer), &Option<Arrays>)| {
-                let (Some(law), Some(expected)) = (of(case, &law), expected) else { return vec![] };
-                let other = |(name, a): &(String, ArrayD<f64>)| {
-                    let same = |(a, b): (&f64, &f64)| a == b || a.is_nan() && b.is_nan();
-                    expected.get(name).is_none_or(|e| a.shape() != e.shape() || !a.iter().zip(e).all(same))
-                };
-                law.into_iter().filter(other).map(|(name, _)| name).collect::<Vec<_>>()
-            };
-            cases().zip(&expected).flat_map(with).collect()
-        };
-        let each = |part: usize| (1..self.laws.choices[part]).flat_map(move |choice| changed(part, choice));
-        parallel::map(right.len(), |part| each(part).collect())
-    }
-
-    /// The outputs that a formula explains in all cases, that which it is tried on first among them; none where these are no more than `known`.
-    fn explained(&self, law: &[usize], failing: usize, c: &Conventions, known: usize) -> Vec<&'a str> {
-        let (cases, h) = (&self.cases, self.hypothesis(law, c));
-        let mut outputs: Vec<&str> = self.outputs.iter().copied().collect();
-        let first = cases[failing..].iter().take(1);
-        for (case, answer) in first.chain(cases) {
-            if outputs.len() <= known {
-                return vec![];
-            }
-            let kept = attempt(|| {
-                let mut kept = outputs.clone();
-                h.keep_explained(self.question, case, answer, self.options, &mut kept);
-                kept
-            });
-            outputs = kept.unwrap_or_default();
-        }
-        if outputs.len() > known { outputs } else { vec![] }
     }
 }
 

@@ -27,11 +27,13 @@ mod fitted_pairs;
 mod mostly;
 mod paired;
 mod peel;
+mod sets;
 mod stepwise;
 mod tripled;
 
 // What isn't in it.
 mod beyond;
+mod by_outputs;
 pub(crate) mod imprecise;
 mod lawful;
 pub(crate) mod slips;

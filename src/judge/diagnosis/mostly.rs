@@ -129,8 +129,12 @@ pub(crate) fn mostly(
         numeric || options.dtype.bits() < 24 || fits(&t.hypothesis) < CLOSE
     };
     found.retain(close);
-    // Of bits and counts a pair of many explains a few cases by chance.
-    if found.is_empty() && !numeric && real_numbers(question, answers) {
+    // Of bits and counts a pair of many explains a few cases by chance, and so it does where a case has a single number: two of a formula's
+    // pieces that are wrong show in cases apart.
+    let numbers =
+        |(_, answer): &(&Case, &Answer)| answer.values().map(|given| given.values.len()).sum::<usize>();
+    let telling = real_numbers(question, answers) && cases.iter().any(|case| numbers(case) > 1);
+    if found.is_empty() && !numeric && telling {
         let pair = |n: usize| singles[..n].iter().map(move |other| (n, other[0]));
         let pairs = (0..singles.len()).flat_map(pair).map(|(n, other)| vec![other, singles[n][0]]);
         let pairs: Vec<Vec<&str>> = pairs.collect();

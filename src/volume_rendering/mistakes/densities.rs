@@ -8,7 +8,7 @@ use super::{finished, recompose, render_all};
 use crate::contract::arrays::{Arrays, input, row, rows3, size};
 use crate::contract::case::Draw;
 use crate::convention::{Conventions, ProductEps};
-use crate::math::exp;
+use crate::math::{exp, ln};
 use crate::volume_rendering::{
     optical_depths, product, volume_render as oracle, volume_render_alpha as oracle_alpha,
 };
@@ -40,7 +40,6 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
             sigmas.iter_mut().for_each(|sigma| *sigma = unless_thin(*sigma, least));
         }
         for name in wrong {
-            let softplus = |x: f64| x.max(0.0) + crate::math::ln(1.0 + exp(-x.abs()));
             match *name {
                 "softplus_inside" => sigmas.iter_mut().for_each(|sigma| *sigma = softplus(*sigma)),
                 "shifted_softplus_inside" => {
@@ -197,4 +196,9 @@ fn colors_of(a: &Arrays, r: usize, wrong: &[&str]) -> Vec<[f64; 3]> {
         }
     }
     rgbs
+}
+
+/// log(1 + exp(x)), which is never 0.
+pub(super) fn softplus(x: f64) -> f64 {
+    x.max(0.0) + ln(1.0 + exp(-x.abs()))
 }

@@ -53,15 +53,20 @@ const HOW: [&str; 5] = [
     "t of the first weight",
 ];
 
+/// What weighs.
+const WEIGHTS: [&str; 8] =
+    ["w_i", "w_i + 1e-5", "w_i + 1e-6", "w_i + 1e-8", "w_i + 1e-10", "w_i + 1e-3", "w_i^2", "sqrt(w_i)"];
+
 /// Those of depths.
 pub(crate) const OF_DEPTHS: Laws = Laws {
-    choices: &[WEIGHED.len(), OVER.len(), MORE.len(), MADE.len(), HOW.len()],
+    choices: &[WEIGHED.len(), OVER.len(), MORE.len(), MADE.len(), HOW.len(), WEIGHTS.len()],
     says: |part, choice| match part {
         0 => format!("{} in the place of t_i", WEIGHED[choice]),
         1 => format!("sum_i w_i t_i divided by {}", OVER[choice]),
         2 => format!("{} added", MORE[choice]),
         3 => format!("depth = {}", MADE[choice]),
-        _ => format!("depth z = {}", HOW[choice]),
+        4 => format!("depth z = {}", HOW[choice]),
+        _ => format!("{} for w_i", WEIGHTS[choice]),
     },
     of,
     rounding: &[],
@@ -89,8 +94,19 @@ fn weighed(t: &[f64], i: usize, far: f64, choice: usize) -> f64 {
     }
 }
 
+fn weight(w: f64, choice: usize) -> f64 {
+    match choice {
+        6 => w * w,
+        7 => w.sqrt(),
+        n => w + [0.0, 1e-5, 1e-6, 1e-8, 1e-10, 1e-3][n],
+    }
+}
+
 fn of(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
     let (rays, n) = size(a, "weights");
+    let mut a = a.clone();
+    a.get_mut("weights").expect("an input").mapv_inplace(|w| weight(w, law[5]));
+    let a = &a;
     let far = number(a, "far");
     let mut values = a.clone();
     let others = |r: usize| -> Vec<f64> {

@@ -1,5 +1,6 @@
 //! Laws of a march: what stands for an opacity, which samples are skipped, where the march ends, and what counts as nothing at all.
 
+use super::densities::softplus;
 use crate::math::{exp, expm1};
 
 /// What stands for the opacity of a density.
@@ -37,12 +38,29 @@ pub(super) const OF_OPACITY: [&str; 11] = [
 ];
 
 /// What stands for a step.
-pub(super) const STEPS: [&str; 5] = [
+pub(super) const STEPS: [&str; 12] = [
     "t_{i+1} - t_i",
     "(t_{i+1} - t_{i-1}) / 2, t_1 - t_0 for the first",
     "t_i - t_{i-1}, 0 for the first",
     "t_i - t_{i-1}, 1e10 for the first",
     "t_i - t_{i-1}, 1e6 for the first",
+    "t_{i+1} - t_i, at least 1e-6",
+    "t_{i+1} - t_i, at least 1e-5",
+    "t_{i+1} - t_i, at least 1e-3",
+    "t_{i+1} - t_i + 1e-10",
+    "t_{i+1} - t_i + 1e-8",
+    "t_{i+1} - t_i + 1e-6",
+    "t_{i+1} - t_i + 1e-5",
+];
+
+/// What stands for a density.
+pub(super) const DENSITY: [&str; 6] = [
+    "sigma_i",
+    "sigma_{i+1}, 0 for the last",
+    "sigma_{i-1}, 0 for the first",
+    "|sigma_i|",
+    "log(1 + exp(sigma_i))",
+    "exp(sigma_i)",
 ];
 
 /// The densities of samples that are skipped.
@@ -114,9 +132,24 @@ pub(super) fn stepped(deltas: Vec<f64>, choice: usize) -> Vec<f64> {
     let of = |(i, delta): (usize, &f64)| match choice {
         0 => *delta,
         1 => 0.5 * (before(i).unwrap_or(*delta) + delta),
-        _ => before(i).unwrap_or([0.0, 1e10, 1e6][choice - 2]),
+        2..=4 => before(i).unwrap_or([0.0, 1e10, 1e6][choice - 2]),
+        5..=7 => delta.max([1e-6, 1e-5, 1e-3][choice - 5]),
+        _ => delta + [1e-10, 1e-8, 1e-6, 1e-5][choice - 8],
     };
     deltas.iter().enumerate().map(of).collect()
+}
+
+/// What that choice makes of a ray's densities.
+pub(super) fn other_densities(sigmas: Vec<f64>, choice: usize) -> Vec<f64> {
+    let of = |i: usize| match choice {
+        0 => sigmas[i],
+        1 => sigmas.get(i + 1).copied().unwrap_or(0.0),
+        2 => i.checked_sub(1).map_or(0.0, |before| sigmas[before]),
+        3 => sigmas[i].abs(),
+        4 => softplus(sigmas[i]),
+        _ => exp(sigmas[i]),
+    };
+    (0..sigmas.len()).map(of).collect()
 }
 
 /// What that choice makes of an opacity.

@@ -5,8 +5,8 @@ use super::super::{Rendering, optical_depths, volume_render, volume_render_alpha
 use super::ALPHA_ERROR;
 use super::march::unless_thin;
 use super::march_laws::{
-    END, OF_DENSITY, OF_OPACITY, SEEN, STEPS, THIN, end_said, ended, of_density, of_opacity, stepped,
-    threshold,
+    DENSITY, END, OF_DENSITY, OF_OPACITY, SEEN, STEPS, THIN, end_said, ended, of_density, of_opacity,
+    other_densities, stepped, threshold,
 };
 use super::other_alphas::softmax;
 use crate::contract::arrays::{Arrays, row, rows3, size};
@@ -55,7 +55,7 @@ const OWN: [&str; 11] = [
 ];
 
 /// What the color is.
-const COLOR: [&str; 12] = [
+const COLOR: [&str; 15] = [
     "sum_i w_i c_i",
     "sum_i sum_{j<=i} w_j c_j",
     "sum_i w_i c_i / N",
@@ -68,6 +68,9 @@ const COLOR: [&str; 12] = [
     "sum_i w_i c_i / sum_i w_i, 0 where there is none",
     "sum_i T_i c_i",
     "(1 - w_i) C + w_i c_i, sample by sample",
+    "sum_i w_i c_i, held in [0, 1]",
+    "sum_i w_i c_i over its largest channel where that is above 1",
+    "1 / (1 + exp(-sum_i w_i c_i))",
 ];
 
 /// What the opacity is.
@@ -91,8 +94,12 @@ const LIGHT: usize = SCANS.len() * OUTER.len();
 const COMMON: [[usize; 3]; 9] =
     [[1, 3, 1], [1, 13, 1], [1, 9, 1], [1, 4, 1], [1, 8, 1], [0, 2, 1], [0, 0, 0], [0, 1, 0], [0, 1, 2]];
 
-/// The number of a T, which is `element * LIGHT + scan * OUTER.len() + outer`, for a choice of it.
+/// The choice of no light that is lost.
+const ALL_LIGHT: usize = 1;
+
+/// The number of a T, which is `element * LIGHT + scan * OUTER.len() + outer`, for a choice of it behind that of all light.
 fn light(choice: usize) -> usize {
+    let choice = choice - ALL_LIGHT;
     let number = |[element, scan, outer]: [usize; 3]| element * LIGHT + scan * OUTER.len() + outer;
     let mut common = COMMON.map(number);
     if let Some(number) = common.get(choice - 1) {
@@ -106,7 +113,7 @@ fn light(choice: usize) -> usize {
 /// Those of densities. What is cheap to try with all else comes last: T has more choices than all others together.
 pub(crate) const OF_DENSITIES: Laws = Laws {
     choices: &[
-        1 + ELEMENTS.len() * LIGHT,
+        1 + ALL_LIGHT + ELEMENTS.len() * LIGHT,
         OWN.len(),
         COLOR.len(),
         OPACITY.len(),
@@ -116,10 +123,12 @@ pub(crate) const OF_DENSITIES: Laws = Laws {
         END.len(),
         BEHIND.len(),
         STEPS.len(),
+        DENSITY.len(),
     ],
     says: |part, choice| match part {
         5 => format!("alpha_i = {}", OF_DENSITY[choice]),
         9 => format!("delta_i = {}", STEPS[choice]),
+        10 => format!("{} for sigma_i", DENSITY[choice]),
         _ => says(part, choice),
     },
     of: of_densities,
@@ -129,7 +138,7 @@ pub(crate) const OF_DENSITIES: Laws = Laws {
 /// Those of opacities.
 pub(crate) const OF_OPACITIES: Laws = Laws {
     choices: &[
-        1 + 2 * LIGHT,
+        1 + ALL_LIGHT + 2 * LIGHT,
         4,
         COLOR.len(),
         OPACITY.len(),
@@ -150,6 +159,7 @@ pub(crate) const OF_OPACITIES: Laws = Laws {
 
 fn says(part: usize, choice: usize) -> String {
     match part {
+        0 if choice == ALL_LIGHT => "T_i = 1".into(),
         0 => {
             let n = light(choice);
             let scan = SCANS[n / OUTER.len() % SCANS.len()].replace('X', ELEMENTS[n / LIGHT]);
@@ -246,7 +256,9 @@ fn outer(s: f64, n: usize) -> f64 {
 fn ray(samples: &[Sample], rgbs: &[[f64; 3]], mut right: Rendering, eps: f64, law: &[usize]) -> Rendering {
     let n = samples.len();
     let mut t = right.transmittance.clone();
-    if law[0] > 0 {
+    if law[0] == ALL_LIGHT {
+        t.fill(1.0);
+    } else if law[0] > 0 {
         let light = light(law[0]);
         let x: Vec<f64> = samples.iter().map(|s| s.element(light / LIGHT, eps)).collect();
         let scan = scanned(&x, light / OUTER.len() % SCANS.len());
@@ -296,9 +308,15 @@ fn colored(samples: &[Sample], rgbs: &[[f64; 3]], weights: &[f64], t: &[f64], ch
         8 => of(weights).map(|c| c.min(1.0)),
         9 => of(weights).map(|c| if whole == 0.0 { 0.0 } else { c / whole }),
         10 => of(&each(&|i| t[i])),
-        _ => std::array::from_fn(|k| {
+        11 => std::array::from_fn(|k| {
             weights.iter().zip(rgbs).fold(0.0, |front, (w, c)| (1.0 - w) * front + w * c[k])
         }),
+        12 => of(weights).map(|c| c.clamp(0.0, 1.0)),
+        13 => {
+            let color = of(weights);
+            color.map(|c| c / color.iter().copied().fold(1.0, f64::max))
+        }
+        _ => of(weights).map(|c| 1.0 / (1.0 + exp(-c))),
     }
 }
 
@@ -320,7 +338,8 @@ fn opacity(samples: &[Sample], weights: &[f64], behind: f64, choice: usize) -> f
 fn of_densities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
     let (count, n) = size(a, "sigmas");
     let one = |r: usize| {
-        let (mut sigmas, rgbs) = (row(a, "sigmas", r), rows3(a, "rgbs", r));
+        let rgbs = rows3(a, "rgbs", r);
+        let mut sigmas = other_densities(row(a, "sigmas", r), law[10]);
         let deltas = stepped(row(a, "deltas", r), law[9]);
         sigmas.iter_mut().for_each(|sigma| *sigma = unless_thin(*sigma, THIN[law[6]]));
         let depths = optical_depths(&sigmas, &deltas);
@@ -362,8 +381,9 @@ mod tests {
     #[test]
     fn each_light_has_one_choice() {
         let all = ELEMENTS.len() * LIGHT;
-        let mut lights: Vec<usize> = (1..=all).map(light).collect();
-        assert_eq!(says(0, 1), "T_i = prod_{j<=i} (1 - alpha_j)");
+        let mut lights: Vec<usize> = (1..=all).map(|choice| light(choice + ALL_LIGHT)).collect();
+        assert_eq!(says(0, ALL_LIGHT), "T_i = 1");
+        assert_eq!(says(0, 1 + ALL_LIGHT), "T_i = prod_{j<=i} (1 - alpha_j)");
         // Of opacities the first two elements are known.
         assert!(lights[..2 * LIGHT].iter().all(|light| *light < 2 * LIGHT));
         lights.sort_unstable();

@@ -17,4 +17,5 @@ mod several;
 mod tried;
 
 // Of both.
+pub(crate) mod proved;
 pub(crate) mod slipping;

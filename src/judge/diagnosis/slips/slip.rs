@@ -7,6 +7,7 @@ use super::columns::{Changed, regrouped};
 use super::each::{By, EACH};
 use super::formula_slip::FormulaSlip;
 use crate::contract::arrays::Arrays;
+use crate::contract::component::Component;
 
 /// What happens to an array.
 #[derive(Clone, Debug, PartialEq)]
@@ -128,6 +129,15 @@ impl LawSlip {
             (*part, law)
         };
         if wrong.len() > 1 { wrong.iter().map(without).collect() } else { vec![] }
+    }
+
+    /// Says of one of its parts that few numbers show it.
+    pub(crate) fn hardly_shown(&mut self, part: usize, component: &Component) {
+        let Some(laws) = component.special.laws_of(self.forward) else { return };
+        let mut others = self.choices.clone();
+        others[part] = 0;
+        let said = (laws.says)(part, self.choices[part]);
+        self.said = format!("{}; and probably {said}, which few numbers show", laws.said(&others));
     }
 }
 
