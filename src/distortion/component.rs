@@ -31,5 +31,5 @@ pub(crate) const DISTORTION_LOSS: Component = Component {
     }),
     cases: cases::distortion_loss,
     mistakes: mistakes::DISTORTION_LOSS,
-    special: Special { large: cases::large, ..Special::NONE },
+    special: Special { large: cases::large, laws: Some(mistakes::laws::OF_INTERVALS), ..Special::NONE },
 };
