@@ -28,5 +28,5 @@ pub(crate) const LINEAR_TO_SRGB: Component = Component {
     }),
     cases: cases::linear_to_srgb,
     mistakes: mistakes::LINEAR_TO_SRGB,
-    special: Special { large: cases::large, ..Special::NONE },
+    special: Special { large: cases::large, laws: Some(mistakes::laws::OF_LIGHT), ..Special::NONE },
 };
