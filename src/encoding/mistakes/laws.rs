@@ -1,4 +1,4 @@
-//! Laws of the positional encoding: which bands, which waves, and of what.
+//! Laws of the positional encoding: which bands, which waves, and what is made of a point beforehand.
 
 use super::super::arrays::{dims, settings};
 use super::super::{Encoding, positional_encoding, wave};
@@ -43,29 +43,70 @@ const WAVES: [&str; 8] = [
     "sin, sin(x + pi / 2) without the band",
 ];
 
-/// What is encoded.
-const OF: [&str; 9] = [
+/// What is made of a point before anything else.
+const BEFOREHAND: [&str; 20] = [
+    "x",
+    "x over its length",
+    "tanh(x)",
+    "sigmoid(x)",
+    "x held between -1 and 1",
+    "x held between 0 and 1",
+    "x - floor(x)",
+    "x from the least to the largest of its own coordinates onto 0 to 1",
+    "x from the least to the largest of its own coordinates onto -1 to 1",
+    "x from the points' least to their largest onto 0 to 1",
+    "x from the points' least to their largest onto -1 to 1",
+    "x from the least to the largest of all numbers onto 0 to 1",
+    "x from the least to the largest of all numbers onto -1 to 1",
+    "x less the points' mean, over their deviation",
+    "x less the points' mean, over their deviation by N - 1",
+    "x less the mean of its own coordinates, over their deviation",
+    "x over the largest |x| of all numbers",
+    "x over the largest |x| of its own coordinates",
+    "(2 - 1 / |x|) x / |x| where |x| > 1",
+    "(x + 1) mod 2 - 1",
+];
+
+/// What that is divided by.
+const OVER: [&str; 8] = [
+    "that",
+    "that + 1e-8",
+    "that + 1e-6",
+    "that + 1e-10",
+    "max(that, 1e-12)",
+    "max(that, 1e-8)",
+    "max(that, 1e-6)",
+    "1 where that is 0",
+];
+
+/// How it is scaled.
+const SCALED: [&str; 12] = [
     "x",
     "2 x - 1",
     "(x + 1) / 2",
+    "x / pi",
     "x / 2",
     "2 x",
-    "x / pi",
-    "x over its length",
-    "x mapped from the points' least to their largest onto -1 to 1",
-    "x mapped from the points' least to their largest onto 0 to 1",
+    "pi x",
+    "x / (2 pi)",
+    "2 pi x",
+    "x + 1",
+    "1 - x",
+    "-x",
 ];
 
 /// What stands for x itself.
-const ITSELF: [&str; 4] = ["what is encoded", "x", "0", "pi x"];
+const ITSELF: [&str; 4] = ["what is encoded", "x as it came", "0", "pi x"];
 
 /// Those of a point.
 pub(crate) const OF_POINTS: Laws = Laws {
-    choices: &[BANDS.len(), WAVES.len(), OF.len(), ITSELF.len()],
+    choices: &[BANDS.len(), WAVES.len(), OVER.len(), SCALED.len(), BEFOREHAND.len(), ITSELF.len()],
     says: |part, choice| match part {
         0 => format!("bands {}", BANDS[choice]),
         1 => format!("waves {}", WAVES[choice]),
-        2 => format!("{} in the place of x", OF[choice]),
+        2 => format!("{} in the place of what x is divided by", OVER[choice]),
+        3 => format!("{} encoded in the place of x", SCALED[choice]),
+        4 => format!("beforehand x' = {}", BEFOREHAND[choice]),
         _ => format!("{} for x itself", ITSELF[choice]),
     },
     of,
@@ -118,50 +159,143 @@ fn waves(encoding: &Encoding, k: usize, x: f64, law: &[usize]) -> (f64, f64) {
     }
 }
 
-/// What is encoded of a point; `ends` are the least and the largest of each coordinate.
-fn encoded(x: &[f64], ends: &[[f64; 2]], choice: usize) -> Vec<f64> {
-    let length = x.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let share = |(x, [least, most]): (&f64, &[f64; 2])| (x - least) / (most - least);
-    let each = |f: &dyn Fn(f64) -> f64| x.iter().map(|x| f(*x)).collect::<Vec<f64>>();
+fn over(length: f64, choice: usize) -> f64 {
     match choice {
-        0 => x.to_vec(),
-        1 => each(&|x| 2.0 * x - 1.0),
-        2 => each(&|x| 0.5 * (x + 1.0)),
-        3 => each(&|x| 0.5 * x),
-        4 => each(&|x| 2.0 * x),
-        5 => each(&|x| x / std::f64::consts::PI),
-        6 => each(&|x| x / length),
-        7 => x.iter().zip(ends).map(|x| 2.0 * share(x) - 1.0).collect(),
-        _ => x.iter().zip(ends).map(share).collect(),
+        1 => length + 1e-8,
+        2 => length + 1e-6,
+        3 => length + 1e-10,
+        4 => length.max(1e-12),
+        5 => length.max(1e-8),
+        6 => length.max(1e-6),
+        7 if length == 0.0 => 1.0,
+        _ => length,
     }
+}
+
+/// The least, the largest, the mean and the deviation of some numbers.
+struct Spread {
+    least: f64,
+    largest: f64,
+    mean: f64,
+    /// The sum of squares of what is off the mean.
+    squares: f64,
+    n: f64,
+}
+
+impl Spread {
+    fn of(x: impl Iterator<Item = f64>) -> Spread {
+        let x: Vec<f64> = x.collect();
+        let (n, mean) = (x.len() as f64, x.iter().sum::<f64>() / x.len() as f64);
+        Spread {
+            least: x.iter().copied().fold(f64::INFINITY, f64::min),
+            largest: x.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            mean,
+            squares: x.iter().map(|x| (x - mean) * (x - mean)).sum(),
+            n,
+        }
+    }
+
+    /// 0 for the least, 1 for the largest.
+    fn share(&self, x: f64, law: usize) -> f64 {
+        (x - self.least) / over(self.largest - self.least, law)
+    }
+
+    fn standard(&self, x: f64, less: f64, law: usize) -> f64 {
+        (x - self.mean) / over((self.squares / (self.n - less)).sqrt(), law)
+    }
+
+    fn size(&self) -> f64 {
+        self.largest.abs().max(self.least.abs())
+    }
+}
+
+/// What all points have in common: the spread of each coordinate, and of all numbers.
+struct Common {
+    each: Vec<Spread>,
+    all: Spread,
+}
+
+/// What is made of a point, by the choices of what it is divided by and of that.
+fn beforehand(x: &[f64], common: &Common, divided: usize, choice: usize) -> Vec<f64> {
+    let (own, all) = (Spread::of(x.iter().copied()), &common.all);
+    let length = x.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let each = |f: &dyn Fn(f64) -> f64| x.iter().map(|x| f(*x)).collect::<Vec<f64>>();
+    let by_axis = |f: &dyn Fn(f64, &Spread) -> f64| -> Vec<f64> {
+        x.iter().zip(&common.each).map(|(x, spread)| f(*x, spread)).collect()
+    };
+    match choice {
+        1 => each(&|x| x / over(length, divided)),
+        2 => each(&|x| libm::tanh(x)),
+        3 => each(&|x| 1.0 / (1.0 + exp(-x))),
+        4 => each(&|x| x.clamp(-1.0, 1.0)),
+        5 => each(&|x| x.clamp(0.0, 1.0)),
+        6 => each(&|x| x - libm::floor(x)),
+        7 => each(&|x| own.share(x, divided)),
+        8 => each(&|x| 2.0 * own.share(x, divided) - 1.0),
+        9 => by_axis(&|x, spread| spread.share(x, divided)),
+        10 => by_axis(&|x, spread| 2.0 * spread.share(x, divided) - 1.0),
+        11 => each(&|x| all.share(x, divided)),
+        12 => each(&|x| 2.0 * all.share(x, divided) - 1.0),
+        13 => by_axis(&|x, spread| spread.standard(x, 0.0, divided)),
+        14 => by_axis(&|x, spread| spread.standard(x, 1.0, divided)),
+        15 => each(&|x| own.standard(x, 0.0, divided)),
+        16 => each(&|x| x / over(all.size(), divided)),
+        17 => each(&|x| x / over(own.size(), divided)),
+        18 if length > 1.0 => each(&|x| (2.0 - 1.0 / length) * x / length),
+        19 => each(&|x| x - 2.0 * libm::floor(0.5 * (x + 1.0))),
+        _ => x.to_vec(),
+    }
+}
+
+fn scaled(x: f64, choice: usize) -> f64 {
+    let pi = std::f64::consts::PI;
+    match choice {
+        1 => 2.0 * x - 1.0,
+        2 => 0.5 * (x + 1.0),
+        3 => x / pi,
+        4 => 0.5 * x,
+        5 => 2.0 * x,
+        6 => pi * x,
+        7 => x / (2.0 * pi),
+        8 => 2.0 * pi * x,
+        9 => x + 1.0,
+        10 => 1.0 - x,
+        11 => -x,
+        _ => x,
+    }
+}
+
+/// The encoding of a point x of which this is encoded.
+fn encoded(x: &[f64], own: &[f64], encoding: &Encoding, law: &[usize]) -> Vec<f64> {
+    let dims = x.len();
+    let mut out = positional_encoding(own, encoding);
+    if law[..2] != [0, 0] {
+        for (k, d) in (0..encoding.levels).flat_map(|k| (0..dims).map(move |d| (k, d))) {
+            let (sin, cos) = waves(encoding, k, own[d], law);
+            out[encoding.column(dims, k, d, 0)] = sin;
+            out[encoding.column(dims, k, d, 1)] = cos;
+        }
+    }
+    for d in (0..dims).filter(|_| encoding.identity) {
+        out[encoding.identity_column(dims, d)] = match law[5] {
+            0 => own[d],
+            1 => x[d],
+            2 => 0.0,
+            _ => std::f64::consts::PI * own[d],
+        };
+    }
+    out
 }
 
 fn of(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
     let (encoding, dims, points) = (settings(a, c), dims(a), rows(a, "x"));
-    let end = |d: usize| {
-        let of = || points.iter().map(move |x| x[d]);
-        [of().fold(f64::INFINITY, f64::min), of().fold(f64::NEG_INFINITY, f64::max)]
-    };
-    let ends: Vec<[f64; 2]> = (0..dims).map(end).collect();
+    let axis = |d: usize| Spread::of(points.iter().map(|x| x[d]));
+    let all = Spread::of(points.iter().flatten().copied());
+    let common = Common { each: (0..dims).map(axis).collect(), all };
     let point = |x: &Vec<f64>| {
-        let own = encoded(x, &ends, law[2]);
-        let mut out = positional_encoding(&own, &encoding);
-        if law[..2] != [0, 0] {
-            for (k, d) in (0..encoding.levels).flat_map(|k| (0..dims).map(move |d| (k, d))) {
-                let (sin, cos) = waves(&encoding, k, own[d], law);
-                out[encoding.column(dims, k, d, 0)] = sin;
-                out[encoding.column(dims, k, d, 1)] = cos;
-            }
-        }
-        for d in (0..dims).filter(|_| encoding.identity) {
-            out[encoding.identity_column(dims, d)] = match law[3] {
-                0 => own[d],
-                1 => x[d],
-                2 => 0.0,
-                _ => std::f64::consts::PI * own[d],
-            };
-        }
-        out
+        let before = beforehand(x, &common, law[2], law[4]);
+        let own: Vec<f64> = before.iter().map(|x| scaled(*x, law[3])).collect();
+        encoded(x, &own, &encoding, law)
     };
     let out: Vec<Vec<f64>> = points.iter().map(point).collect();
     arrays([("encoding", from_rows(&out, encoding.width(dims)))])
