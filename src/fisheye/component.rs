@@ -31,7 +31,11 @@ pub(crate) const FISHEYE_DISTORT: Component = Component {
     }),
     cases: cases::fisheye_distort,
     mistakes: mistakes::FISHEYE_DISTORT,
-    special: Special { large: cases::large_distort, ..Special::NONE },
+    special: Special {
+        large: cases::large_distort,
+        laws: Some(mistakes::laws::OF_FISHEYES),
+        ..Special::NONE
+    },
 };
 
 /// And back.

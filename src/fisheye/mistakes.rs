@@ -1,6 +1,7 @@
 //! Fisheyes, wrong on purpose. Without a mistake every function equals the oracle.
 
 mod catalogue;
+pub(crate) mod laws;
 
 use glam::DVec2;
 
