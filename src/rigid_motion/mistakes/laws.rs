@@ -1,4 +1,4 @@
-//! Laws of rigid motions: how the axis is found, what happens near an angle of 0, and which factors stand before K and K^2 in R and in V.
+//! Laws of rigid motions: how the axis and the angle are found, what happens near an angle of 0, and which factors stand before K and K^2 in R and in V.
 
 use glam::{DMat3, DMat4, DVec3};
 
@@ -10,22 +10,27 @@ use crate::convention::{RotationClamp, TwistTranslation};
 use crate::math::{cos, sin};
 
 /// What w is divided by for the axis u.
-const AXIS: [&str; 14] = [
-    "theta",
-    "theta + 1e-10",
-    "theta + 1e-8",
-    "theta + 1e-7",
-    "theta + 1e-6",
-    "theta + 1e-4",
-    "max(theta, 1e-8)",
-    "max(theta, 1e-7)",
-    "max(theta, 1e-6)",
-    "max(theta, 1e-4)",
-    "sqrt(theta^2 + 1e-8)",
-    "sqrt(theta^2 + 1e-12)",
-    "sqrt(theta^2 + 1e-16)",
-    "theta + 1e-5",
+const AXIS: [&str; 15] = [
+    "|w|",
+    "|w| + 1e-10",
+    "|w| + 1e-8",
+    "|w| + 1e-7",
+    "|w| + 1e-6",
+    "|w| + 1e-4",
+    "max(|w|, 1e-7)",
+    "max(|w|, 1e-6)",
+    "max(|w|, 1e-4)",
+    "sqrt(|w|^2 + 1e-8)",
+    "sqrt(|w|^2 + 1e-12)",
+    "sqrt(|w|^2 + 1e-16)",
+    "|w| + 1e-5",
+    "1",
+    "|w|^2",
 ];
+
+/// The angle.
+const ANGLE: [&str; 9] =
+    ["|w|", "|w| / 2", "2 |w|", "|w| pi / 180", "|w| 180 / pi", "|w|^2", "|w| mod pi", "-|w|", "sqrt(|w|)"];
 
 /// What a matrix is for small angles.
 const SMALL: [&str; 5] = [
@@ -36,22 +41,35 @@ const SMALL: [&str; 5] = [
     "I and twice its first order",
 ];
 
-/// Below which angle.
-const LIMIT: [f64; 8] = [1e-12, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2];
+/// Below which angle, and as one would say it: the cases tell no limits apart between which no angle of theirs lies.
+const LIMIT: [(f64, &str); 3] = [(1e-6, "1e-7 or 1e-6"), (1e-4, "1e-5, 1e-4 or 1e-3"), (1e-2, "1e-2")];
 
 /// Before U = [u]_x in R, before U^2, and in the place of I.
-const FIRST: [&str; 6] =
-    ["sin(theta)", "theta", "sin(theta) / theta", "cos(theta)", "1 - cos(theta)", "-sin(theta)"];
-const SECOND: [&str; 6] = [
+const FIRST: [&str; 8] = [
+    "sin(theta)",
+    "theta",
+    "sin(theta) / theta",
+    "cos(theta)",
+    "1 - cos(theta)",
+    "-sin(theta)",
+    "0",
+    "theta sin(theta)",
+];
+const SECOND: [&str; 10] = [
     "1 - cos(theta)",
     "sin(theta)",
     "(1 - cos(theta)) / theta",
     "(1 - cos(theta)) / theta^2",
     "theta^2 / 2",
     "0",
+    "-(1 - cos(theta))",
+    "1 + cos(theta)",
+    "cos(theta)",
+    "theta^2 (1 - cos(theta))",
 ];
-const WHOLE: [&str; 5] = [
+const WHOLE: [&str; 6] = [
     "I",
+    "I, with u u^T for U^2",
     "cos(theta) I, with u u^T for U^2",
     "cos(theta) I",
     "R = the matrix of the quaternion (cos(theta / 2), sin(theta / 2) u) read as x, y, z, w",
@@ -69,7 +87,7 @@ const FIRST_OF_V: [&str; 8] = [
     "0",
     "-(1 - cos(theta)) / theta",
 ];
-const SECOND_OF_V: [&str; 8] = [
+const SECOND_OF_V: [&str; 10] = [
     "1 - sin(theta) / theta",
     "theta - sin(theta)",
     "(theta - sin(theta)) / theta^2",
@@ -78,13 +96,18 @@ const SECOND_OF_V: [&str; 8] = [
     "1 - cos(theta)",
     "theta^2 / 6",
     "0",
+    "-(1 - sin(theta) / theta)",
+    "1 + sin(theta) / theta",
 ];
-const WHOLE_OF_V: [&str; 5] = [
+const WHOLE_OF_V: [&str; 8] = [
     "I",
+    "I, with u u^T for U^2",
     "sin(theta) / theta I",
     "theta I",
     "sin(theta) / theta I, with u u^T for U^2",
     "theta I, and theta times the rest",
+    "t = R rho",
+    "t = R^T rho",
 ];
 
 /// The right one, none, and each of those below each limit.
@@ -92,7 +115,7 @@ const SMALLS: usize = 2 + SMALL.len() * LIMIT.len();
 
 /// Those of rotation vectors.
 pub(crate) const OF_ROTATIONS: Laws = Laws {
-    choices: &[AXIS.len(), SMALLS, FIRST.len(), SECOND.len(), WHOLE.len()],
+    choices: &[AXIS.len(), ANGLE.len(), SMALLS, FIRST.len(), SECOND.len(), WHOLE.len()],
     says,
     of: |a, c, law| so3(a, |w| rows(&rotation(w, c.rotation_clamp, law))),
     rounding: &[],
@@ -102,6 +125,7 @@ pub(crate) const OF_ROTATIONS: Laws = Laws {
 pub(crate) const OF_TWISTS: Laws = Laws {
     choices: &[
         AXIS.len(),
+        ANGLE.len(),
         SMALLS,
         FIRST.len(),
         SECOND.len(),
@@ -120,19 +144,21 @@ fn says(part: usize, choice: usize) -> String {
     let small = |of: &str| match choice.checked_sub(2) {
         None => format!("{of} without a case of its own at w = 0"),
         Some(n) => {
-            format!("{of} = {} below an angle of {:e}", SMALL[n / LIMIT.len()], LIMIT[n % LIMIT.len()])
+            format!("{of} = {} below an angle of {}", SMALL[n / LIMIT.len()], LIMIT[n % LIMIT.len()].1)
         }
     };
     match part {
         0 => format!("u = w / ({})", AXIS[choice]),
-        1 => small("R"),
-        2 => format!("({}) U in R, U = [u]_x", FIRST[choice]),
-        3 => format!("({}) U^2 in R, U = [u]_x", SECOND[choice]),
-        4 if choice > 2 => WHOLE[choice].into(),
-        4 => format!("{} in R, U = [u]_x", WHOLE[choice]),
-        5 => small("V"),
-        6 => format!("({}) U in V, U = [u]_x", FIRST_OF_V[choice]),
-        7 => format!("({}) U^2 in V, U = [u]_x", SECOND_OF_V[choice]),
+        1 => format!("theta = {}", ANGLE[choice]),
+        2 => small("R"),
+        3 => format!("({}) U in R, U = [u]_x", FIRST[choice]),
+        4 => format!("({}) U^2 in R, U = [u]_x", SECOND[choice]),
+        5 if choice > 3 => WHOLE[choice].into(),
+        5 => format!("{} in R, U = [u]_x", WHOLE[choice]),
+        6 => small("V"),
+        7 => format!("({}) U in V, U = [u]_x", FIRST_OF_V[choice]),
+        8 => format!("({}) U^2 in V, U = [u]_x", SECOND_OF_V[choice]),
+        _ if choice > 5 => WHOLE_OF_V[choice].into(),
         _ => format!("{} in V, U = [u]_x", WHOLE_OF_V[choice]),
     }
 }
@@ -147,22 +173,37 @@ fn outer(v: DVec3) -> DMat3 {
     DMat3::from_cols(v * v.x, v * v.y, v * v.z)
 }
 
-fn divisor(theta: f64, choice: usize) -> f64 {
+fn divisor(length: f64, choice: usize) -> f64 {
     match choice {
-        1 => theta + 1e-10,
-        2 => theta + 1e-8,
-        3 => theta + 1e-7,
-        4 => theta + 1e-6,
-        5 => theta + 1e-4,
-        6 => theta.max(1e-8),
-        7 => theta.max(1e-7),
-        8 => theta.max(1e-6),
-        9 => theta.max(1e-4),
-        10 => (theta * theta + 1e-8).sqrt(),
-        11 => (theta * theta + 1e-12).sqrt(),
-        12 => (theta * theta + 1e-16).sqrt(),
-        13 => theta + 1e-5,
-        _ => theta,
+        1 => length + 1e-10,
+        2 => length + 1e-8,
+        3 => length + 1e-7,
+        4 => length + 1e-6,
+        5 => length + 1e-4,
+        6 => length.max(1e-7),
+        7 => length.max(1e-6),
+        8 => length.max(1e-4),
+        9 => (length * length + 1e-8).sqrt(),
+        10 => (length * length + 1e-12).sqrt(),
+        11 => (length * length + 1e-16).sqrt(),
+        12 => length + 1e-5,
+        13 => 1.0,
+        14 => length * length,
+        _ => length,
+    }
+}
+
+fn angle(length: f64, choice: usize) -> f64 {
+    match choice {
+        1 => 0.5 * length,
+        2 => 2.0 * length,
+        3 => length.to_radians(),
+        4 => length.to_degrees(),
+        5 => length * length,
+        6 => length % std::f64::consts::PI,
+        7 => -length,
+        8 => length.sqrt(),
+        _ => length,
     }
 }
 
@@ -173,7 +214,7 @@ fn near(w: DVec3, u: DVec3, choice: usize, of: [f64; 2]) -> Option<DMat3> {
         return Some(one);
     }
     let choice = choice.checked_sub(2)?;
-    let small = w.length() < LIMIT[choice % LIMIT.len()];
+    let small = w.length() < LIMIT[choice % LIMIT.len()].0;
     let matrix = match choice / LIMIT.len() {
         0 => one,
         1 => one + k * of[0],
@@ -190,40 +231,47 @@ fn versed(theta: f64) -> f64 {
 }
 
 fn rotation(w: [f64; 3], clamp: RotationClamp, law: &[usize]) -> DMat3 {
-    if law[..5] == [0; 5] {
+    if law[..6] == [0; 6] {
         return so3_exp(w, clamp);
     }
     let w = DVec3::from(w);
-    let theta = w.length();
-    let u = w / divisor(theta, law[0]);
-    if let Some(order) = law[4].checked_sub(3) {
-        let u = if theta > 0.0 { u } else { DVec3::ZERO };
+    let theta = angle(w.length(), law[1]);
+    let u = w / divisor(w.length(), law[0]);
+    if let Some(order) = law[5].checked_sub(4) {
+        let u = if w.length() > 0.0 { u } else { DVec3::ZERO };
         let (real, v) = (cos(0.5 * theta), u * sin(0.5 * theta));
         let [x, y, z, w] = [[real, v.x, v.y, v.z], [v.y, v.z, real, v.x]][order];
         return DMat3::from_quat(glam::DQuat::from_xyzw(x, y, z, w));
     }
-    if let Some(matrix) = near(w, u, law[1], [1.0, 0.5]) {
+    if let Some(matrix) = near(w, u, law[2], [1.0, 0.5]) {
         return matrix;
     }
-    let first = match law[2] {
+    let first = match law[3] {
         0 => sin(theta),
         1 => theta,
         2 => sin(theta) / theta,
         3 => cos(theta),
         4 => versed(theta),
-        _ => -sin(theta),
+        5 => -sin(theta),
+        6 => 0.0,
+        _ => theta * sin(theta),
     };
-    let second = match law[3] {
+    let second = match law[4] {
         0 => versed(theta),
         1 => sin(theta),
         2 => versed(theta) / theta,
         3 => versed(theta) / (theta * theta),
         4 => 0.5 * theta * theta,
-        _ => 0.0,
+        5 => 0.0,
+        6 => -versed(theta),
+        7 => 1.0 + cos(theta),
+        8 => cos(theta),
+        _ => theta * theta * versed(theta),
     };
-    let (whole, square) = match law[4] {
+    let (whole, square) = match law[5] {
         0 => (1.0, cross(u) * cross(u)),
-        1 => (cos(theta), outer(u)),
+        1 => (1.0, outer(u)),
+        2 => (cos(theta), outer(u)),
         _ => (cos(theta), cross(u) * cross(u)),
     };
     DMat3::IDENTITY * whole + cross(u) * first + square * second
@@ -231,20 +279,21 @@ fn rotation(w: [f64; 3], clamp: RotationClamp, law: &[usize]) -> DMat3 {
 
 /// theta - sin(theta), over theta.
 fn late(theta: f64) -> f64 {
-    if theta < 0.1 {
+    if theta.abs() < 0.1 {
         let x = theta * theta;
         return x / 6.0 * (1.0 - x / 20.0 * (1.0 - x / 42.0 * (1.0 - x / 72.0)));
     }
     1.0 - sin(theta) / theta
 }
 
-fn moved(w: DVec3, rho: DVec3, law: &[usize]) -> DVec3 {
-    let theta = w.length();
-    let u = w / divisor(theta, law[0]);
-    if let Some(matrix) = near(w, u, law[5], [0.5, 1.0 / 6.0]) {
+/// Where the twist (rho, w) goes, whose rotation is r.
+fn moved(w: DVec3, rho: DVec3, r: DMat3, law: &[usize]) -> DVec3 {
+    let theta = angle(w.length(), law[1]);
+    let u = w / divisor(w.length(), law[0]);
+    if let Some(matrix) = near(w, u, law[6], [0.5, 1.0 / 6.0]) {
         return matrix * rho;
     }
-    let first = match law[6] {
+    let first = match law[7] {
         0 => versed(theta) / theta,
         1 => versed(theta),
         2 => sin(theta) / theta,
@@ -254,7 +303,7 @@ fn moved(w: DVec3, rho: DVec3, law: &[usize]) -> DVec3 {
         6 => 0.0,
         _ => -versed(theta) / theta,
     };
-    let second = match law[7] {
+    let second = match law[8] {
         0 => late(theta),
         1 => theta * late(theta),
         2 => late(theta) / theta,
@@ -262,17 +311,21 @@ fn moved(w: DVec3, rho: DVec3, law: &[usize]) -> DVec3 {
         4 => versed(theta) / (theta * theta),
         5 => versed(theta),
         6 => theta * theta / 6.0,
-        _ => 0.0,
+        7 => 0.0,
+        8 => -late(theta),
+        _ => 1.0 + sin(theta) / theta,
     };
-    let (whole, square) = match law[8] {
-        0 => (1.0, cross(u) * cross(u)),
-        1 => (sin(theta) / theta, cross(u) * cross(u)),
-        2 => (theta, cross(u) * cross(u)),
-        3 => (sin(theta) / theta, outer(u)),
+    let (whole, square) = match law[9] {
+        1 => (1.0, outer(u)),
+        2 => (sin(theta) / theta, cross(u) * cross(u)),
+        3 => (theta, cross(u) * cross(u)),
+        4 => (sin(theta) / theta, outer(u)),
+        6 => return r * rho,
+        7 => return r.transpose() * rho,
         _ => (1.0, cross(u) * cross(u)),
     };
     let v = DMat3::IDENTITY * whole + cross(u) * first + square * second;
-    v * rho * if law[8] == 4 { theta } else { 1.0 }
+    v * rho * if law[9] == 5 { theta } else { 1.0 }
 }
 
 fn motion(twist: [f64; 6], form: &Twist, law: &[usize]) -> DMat4 {
@@ -282,11 +335,11 @@ fn motion(twist: [f64; 6], form: &Twist, law: &[usize]) -> DMat4 {
     let (rho, w) = halves(twist, form.order);
     let r = rotation(w, form.clamp, law);
     let plain = Twist { layout: crate::convention::MotionLayout::ForColumns, ..*form };
-    let v_is_right = law[0] == 0 && law[5..].iter().all(|choice| *choice == 0);
+    let v_is_right = law[..2] == [0; 2] && law[6..].iter().all(|choice| *choice == 0);
     let t = match form.translation {
         TwistTranslation::Plain => DVec3::from(rho),
         _ if v_is_right => se3_exp(twist, &plain).w_axis.truncate(),
-        _ => moved(DVec3::from(w), DVec3::from(rho), law),
+        _ => moved(DVec3::from(w), DVec3::from(rho), r, law),
     };
     let motion =
         DMat4::from_cols(r.x_axis.extend(0.0), r.y_axis.extend(0.0), r.z_axis.extend(0.0), t.extend(1.0));
