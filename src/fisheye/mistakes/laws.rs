@@ -96,7 +96,7 @@ const POWERS: [([i32; 4], &str); 11] = [
 const OF_RADIUS: usize = 9;
 
 /// What points are multiplied with; P = 1 + k1 theta^2 + ...
-const SCALE: [&str; 16] = [
+const SCALE: [&str; 14] = [
     "theta P / r",
     "P",
     "P / r",
@@ -111,8 +111,6 @@ const SCALE: [&str; 16] = [
     "theta P / sqrt(1 + r^2)",
     "tan(theta P) / r",
     "sin(theta P) / r",
-    "theta / r",
-    "theta",
 ];
 
 /// What is done near the middle.
@@ -215,8 +213,6 @@ fn scale(k: [f64; 4], r: f64, law: &[usize]) -> f64 {
         11 => theta * p / (1.0 + r * r).sqrt(),
         12 => libm::tan(theta * p) / over(r),
         13 => libm::sin(theta * p) / over(r),
-        14 => theta / over(r),
-        15 => theta,
         _ => theta * p / over(r),
     }
 }

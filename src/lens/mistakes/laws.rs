@@ -104,14 +104,14 @@ pub(crate) const OF_UNDISTORTION: Laws = Laws {
     says: |part, choice| match part {
         0 => format!("coefficients: {}", KEPT[choice]),
         1 => match END[choice] {
-            (When::Left, eps) => format!("no further step where it is below {eps:e}, nor that one"),
-            (When::Taken, eps) => format!("no further step after one below {eps:e}"),
+            (When::Left, eps) => format!("a step below {eps:e} ends the search and isn't taken"),
+            (When::Taken, eps) => format!("a step below {eps:e} is the last one"),
             (_, eps) => format!("no step where |distort(p) - target| < {eps:e}"),
         },
         2 => format!("R = {}", RADIAL[choice]),
         3 => format!("T = {}", TANGENTIAL[choice]),
         4 => format!("steps from the target on: {}", STEPS[choice]),
-        _ => format!("a step to p = {}, with R radial and T tangential", STEP[choice]),
+        _ => format!("each step gives {}, with R radial and T tangential", STEP[choice]),
     },
     of,
     rounding: &[],
