@@ -46,8 +46,9 @@ pub(crate) const SSIM: Component = Component {
         only: Some(Only { input: "prediction", axis: 2, length: 3, what: "channels" }),
         large: cases::large,
         forms: OF_ONE,
-        // Each pixel is in up to 121 windows.
-        work: 64,
+        // Each pixel is in up to 121 windows, but in few where pictures are hardly larger than a window.
+        work: 10,
+        laws: Some(mistakes::laws::OF_SIMILARITY),
         ..Special::NONE
     },
 };

@@ -9,6 +9,7 @@ use crate::contract::component::Mistake;
 use crate::convention::{Conventions, SsimWindow};
 
 mod catalogue;
+pub(crate) mod laws;
 
 pub(crate) use catalogue::SSIM;
 use catalogue::{EPS_BELOW, FIRST_CONSTANT, OTHER_WIDTH, SECOND_CONSTANT};
