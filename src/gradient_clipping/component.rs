@@ -31,7 +31,12 @@ pub(crate) const CLIP_BY_GLOBAL_NORM: Component = Component {
     vjp: None,
     cases: cases::clip_by_global_norm,
     mistakes: mistakes::CLIP_BY_GLOBAL_NORM,
-    special: Special { reads: &[("norm", &[])], large: cases::large_by_norm, ..Special::NONE },
+    special: Special {
+        reads: &[("norm", &[])],
+        large: cases::large_by_norm,
+        laws: Some(mistakes::laws::OF_NORMS),
+        ..Special::NONE
+    },
 };
 
 /// By value.

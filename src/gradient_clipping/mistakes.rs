@@ -1,5 +1,7 @@
 //! Clipped gradients, wrong on purpose. Without a mistake every function equals the oracle.
 
+pub(crate) mod laws;
+
 use super::arrays::{self, by_norm, by_value, tensors};
 use super::clip_by_value as oracle;
 use crate::contract::arrays::{Arrays, input, number};

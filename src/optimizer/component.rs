@@ -58,7 +58,12 @@ pub(crate) const ADAM_STEP: Component = Component {
     vjp: None,
     cases: cases::adam_step,
     mistakes: mistakes::ADAM_STEP,
-    special: Special { forms: FORMS, large: cases::large, ..Special::NONE },
+    special: Special {
+        forms: FORMS,
+        large: cases::large,
+        laws: Some(mistakes::laws::OF_ADAM),
+        ..Special::NONE
+    },
 };
 
 /// One step of AdamW.
@@ -80,5 +85,5 @@ pub(crate) const ADAMW_STEP: Component = Component {
     vjp: None,
     cases: cases::adamw_step,
     mistakes: mistakes::ADAMW_STEP,
-    special: Special { large: cases::large_decayed, ..Special::NONE },
+    special: Special { large: cases::large_decayed, laws: Some(mistakes::laws::OF_ADAMW), ..Special::NONE },
 };

@@ -1,6 +1,7 @@
 //! Adam's and AdamW's steps, wrong on purpose. Without a mistake they equal the oracle.
 
 mod catalogue;
+pub(crate) mod laws;
 mod one_mean;
 
 pub(crate) use catalogue::{ADAM_STEP, ADAMW_STEP};
