@@ -31,7 +31,11 @@ pub(crate) const HUBER: Component = Component {
     }),
     cases: cases::huber,
     mistakes: mistakes::HUBER,
-    special: Special { large: cases::large_huber, ..Special::NONE },
+    special: Special {
+        large: cases::large_huber,
+        laws: Some(mistakes::huber_laws::OF_HUBER),
+        ..Special::NONE
+    },
 };
 
 /// Charbonnier's loss.
@@ -58,5 +62,9 @@ pub(crate) const CHARBONNIER: Component = Component {
     }),
     cases: cases::charbonnier,
     mistakes: mistakes::CHARBONNIER,
-    special: Special { large: cases::large_charbonnier, ..Special::NONE },
+    special: Special {
+        large: cases::large_charbonnier,
+        laws: Some(mistakes::charbonnier_laws::OF_CHARBONNIER),
+        ..Special::NONE
+    },
 };
