@@ -8,15 +8,14 @@ use super::super::{Form, Moments, Windows, reach};
 use super::LUMA;
 use crate::contract::arrays::Arrays;
 use crate::contract::laws::Laws;
-use crate::convention::{Conventions, SsimVariance, SsimWindow};
+use crate::convention::{Conventions, SsimPadding, SsimVariance, SsimWindow};
 use crate::math::exp;
 
 /// What is compared.
 const COMPARED: [&str; 3] = ["colors", "the mean of the channels", "0.299 R + 0.587 G + 0.114 B"];
 
 /// How wide a window is.
-const WIDTH: [(f64, &str); 4] =
-    [(1.5, "sigma = 1.5"), (2.0, "sigma = 2"), (1.0, "sigma = 1"), (f64::INFINITY, "pixels all alike")];
+const WIDTH: [f64; 3] = [1.5, 2.0, 1.0];
 
 /// What a window's similarity is, of luminance l, contrast c and structure s.
 const SIMILARITY: [&str; 4] = ["l c s", "c s", "l", "s"];
@@ -63,7 +62,7 @@ pub(crate) const OF_SIMILARITY: Laws = Laws {
     ],
     says: |part, choice| match part {
         0 => format!("of {}, compared", COMPARED[choice]),
-        1 => format!("windows with {}", WIDTH[choice].1),
+        1 => format!("windows with sigma = {}", WIDTH[choice]),
         2 => format!("{}, of luminance l, contrast c and structure s", SIMILARITY[choice]),
         3 => MEASURED[choice].into(),
         4 => format!("windows of {0} x {0}", SIZE[choice]),
@@ -90,7 +89,9 @@ fn compared(picture: ArrayView3<f64>, choice: usize) -> Array3<f64> {
 /// The windows, and how far their weights are from a sum of 1.
 fn windows<'a>(a: &'a Array3<f64>, b: &'a Array3<f64>, form: Form, law: &[usize]) -> (Windows<'a>, f64) {
     let mut windows = Windows::new(a.view(), b.view(), form);
-    let (width, size) = (WIDTH[law[1]].0, SIZE[law[4]]);
+    let (width, size) = (WIDTH[law[1]], SIZE[law[4]]);
+    // Some pictures have no room for a larger window that lies inside.
+    let size = if form.padding == SsimPadding::Valid { size.min(SIZE[0]) } else { size };
     // Another window than the convention's would undo it.
     if form.window != SsimWindow::Gaussian || [law[1], law[4], law[6]] == [0; 3] {
         return (windows, 0.0);
@@ -100,8 +101,7 @@ fn windows<'a>(a: &'a Array3<f64>, b: &'a Array3<f64>, form: Form, law: &[usize]
     let weights: Vec<f64> = (0..size).map(bell).collect();
     let over = match law[6] {
         1 => 1.0,
-        // Pixels that are all alike have no sigma.
-        2 if width.is_finite() => width * (2.0 * std::f64::consts::PI).sqrt(),
+        2 => width * (2.0 * std::f64::consts::PI).sqrt(),
         _ => weights.iter().sum(),
     };
     windows.weights = weights.iter().map(|w| w / over).collect();
