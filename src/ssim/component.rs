@@ -47,7 +47,7 @@ pub(crate) const SSIM: Component = Component {
         large: cases::large,
         forms: OF_ONE,
         // Each pixel is in up to 121 windows, but in few where pictures are hardly larger than a window.
-        work: 10,
+        work: 32,
         laws: Some(mistakes::laws::OF_SIMILARITY),
         ..Special::NONE
     },

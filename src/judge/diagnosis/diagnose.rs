@@ -13,7 +13,7 @@ use super::evidence::{
 };
 use super::fitted::fitting;
 use super::hypothesis::{Hypothesis, of_forward};
-use super::imprecise::{inaccuracy, lost_digits, rather_lost};
+use super::imprecise::{few_bits_lost, inaccuracy, lost_digits, rather_lost};
 use super::lawful::lawful;
 use super::peel::peel;
 use super::ranked::ranked;
@@ -75,8 +75,9 @@ pub(crate) fn diagnose_in(
     if !single.is_empty() {
         return single;
     }
-    // Some pair or other makes nothing of everything, and so do slips: what there is to say is what was seen.
-    if d.large || nothing_but_zero(question, answers) {
+    // Some pair or other makes nothing of everything, and so do slips: what there is to say is what was seen. And a few lost bits are
+    // likelier than all that is left to be tried.
+    if d.large || nothing_but_zero(question, answers) || few_bits_lost(question, answers, base, options) {
         return vec![];
     }
     // Output by output first: it is quicker, and knows more than two; of which two may be one that undo each other.
@@ -168,12 +169,12 @@ impl<'a> Diagnosis<'a> {
         let mut found = self.explaining(1, &near);
         if !found.is_empty() {
             found.extend(commoner(&found, question, answers, options));
-            return (self.unless_lost(found, &near), vec![]);
+            return (self.unless_lost(found), vec![]);
         }
         if !self.large && !nothing_but_zero(question, answers) {
             let numbers = fitting(question, answers, base, &self.applied(&near), self.suspects, options);
             if numbers.iter().any(Hypothesis::plain_numbers) {
-                return (self.unless_lost(numbers, &near), vec![]);
+                return (self.unless_lost(numbers), vec![]);
             }
             if !numbers.is_empty() {
                 return (vec![], numbers);
@@ -190,9 +191,9 @@ impl<'a> Diagnosis<'a> {
         (vec![lost_digits(lost, question, &self.home)], vec![])
     }
 
-    fn unless_lost(&self, found: Vec<Hypothesis>, near: &[&Partial]) -> Vec<Explanation> {
+    fn unless_lost(&self, found: Vec<Hypothesis>) -> Vec<Explanation> {
         let found = self.ranked(found);
-        let lost = rather_lost(&found, near, self.question, self.answers, self.base, self.options);
+        let lost = rather_lost(&found, self.question, self.answers, self.base, self.options);
         lost.map_or(found, |lost| vec![lost_digits(lost, self.question, &self.home)])
     }
 

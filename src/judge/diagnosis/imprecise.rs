@@ -5,6 +5,7 @@ use std::sync::Arc;
 use ndarray::ArrayD;
 
 use super::super::answer::{Answer, Answers, reshaped};
+use super::super::assignment::nearest;
 use super::super::exam::Question;
 use super::super::mark::{MarkOptions, proves};
 use super::super::partial::{Partial, apply, partial};
@@ -64,6 +65,16 @@ pub(crate) fn lost_bits(
     // The bound grows with the bits: few steps show whether there is any hope.
     let most = most(options.dtype);
     (most > 0 && fits(&most)).then(|| (1..=most).find(fits).unwrap_or(most))
+}
+
+/// Whether so few bits are lost that no two mistakes, and nothing that no catalogue lists, are told in their place.
+pub(crate) fn few_bits_lost(
+    question: &Question,
+    answers: &Answers,
+    c: &Conventions,
+    options: &MarkOptions,
+) -> bool {
+    lost_bits(question, answers, c, options).is_some_and(|bits| bits <= FEW_BITS)
 }
 
 /// How many bits may be lost where this explains the answers, too.
@@ -137,18 +148,25 @@ pub(crate) fn inaccuracy(
 ) -> Option<(Hypothesis, f64)> {
     let right = |p: &&Partial| Hypothesis { loose: true, ..Hypothesis::new(vec![], apply(p, base)) };
     let h = near.iter().map(right).find(|h| explains_all(h, question, answers, options))?;
-    // Across a face or a threshold a nudge changes everything: that explains any answer, and is no matter of digits.
+    with_digits(h, question, answers, options)
+}
+
+/// The right formula where answers have digits left. Across a face or a threshold a nudge changes everything: that explains any answer, and is
+/// no matter of digits.
+fn with_digits(
+    right: Hypothesis,
+    question: &Question,
+    answers: &Answers,
+    options: &MarkOptions,
+) -> Option<(Hypothesis, f64)> {
     let left = |(case, answer): &(&Case, &Answer)| {
-        let expected = question.expected(case, &h.conventions);
+        let expected = question.expected(case, &right.conventions);
         answer
             .iter()
             .all(|(name, given)| expected.get(name).is_none_or(|e| digits_are_left(e, &given.values)))
     };
-    if !usable(&h, question, answers).iter().all(left) {
-        return None;
-    }
-    let residual = largest_residual(&h, question, answers, options);
-    Some((h, residual))
+    let all = usable(&right, question, answers).iter().all(left);
+    all.then(|| largest_residual(&right, question, answers, options)).map(|residual| (right, residual))
 }
 
 /// What is said of lost digits; conventions as they differ from `home`.
@@ -165,7 +183,6 @@ pub(crate) fn lost_digits(
 /// rounding is to the right one.
 pub(crate) fn rather_lost(
     mistakes: &[Explanation],
-    near: &[&Partial],
     question: &Question,
     answers: &Answers,
     base: &Conventions,
@@ -174,8 +191,9 @@ pub(crate) fn rather_lost(
     if mistakes.iter().any(|e| e.residual < NO_CLOSER) {
         return None;
     }
-    let (h, residual) = inaccuracy(near, question, answers, base, options)?;
-    lost_bits(question, answers, &h.conventions, options).map(|_| (h, residual))
+    let c = nearest(question, answers, base, options);
+    lost_bits(question, answers, &c, options)?;
+    with_digits(Hypothesis { loose: true, ..Hypothesis::new(vec![], c) }, question, answers, options)
 }
 
 /// The share of what wrong code may be off that a mistake uses where it explains the answers no closer than lost digits do.
