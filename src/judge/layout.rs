@@ -94,8 +94,8 @@ fn replaced(
             let number = *value + taken_off?;
             let same =
                 |first: f64| first == number || less.is_some() && (first - number).abs() <= ROUNDED * first;
-            // Everywhere the same, and no NaN. As good as nothing is no choice: it takes away what stands there.
-            if !same(*found.get_or_insert(number)) || *value < NOTHING {
+            // Everywhere the same, and no NaN. Nothing at all is no choice: it takes away what stands there.
+            if !same(*found.get_or_insert(number)) || *value <= 0.0 {
                 return None;
             }
             *value = chosen.listed;
@@ -106,9 +106,6 @@ fn replaced(
     let written = format!("{number:.4e}").parse().unwrap_or(number);
     Some((listed, if less.is_some() { written } else { number }))
 }
-
-/// A number that is as good as nothing.
-const NOTHING: f64 = 1e-6;
 
 /// What is left of a number's digits where something small was taken off it in single precision.
 const ROUNDED: f64 = 1e-6;

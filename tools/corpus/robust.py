@@ -106,3 +106,9 @@ def a_half_less_whatever_delta(prediction, target, delta):
     """|d| - 0.5."""
     size = (prediction - target).abs()
     return torch.where(size <= delta, size * size / 2, size - 0.5).mean()
+
+
+@fault("huber", "slip: another formula: of the pieces: beyond everywhere", seen="a trial on unseen code: an agent's loss", gradient="none")
+def lines_alone(prediction, target, delta):
+    """delta (|d| - delta / 2) for every d."""
+    return (0.5 * delta**2 + delta * ((prediction - target).abs() - delta)).mean()

@@ -2,7 +2,7 @@
 
 import numpy as np
 import torch
-from entry import fault, right
+from entry import fault
 
 TRIAL = "a trial on unseen code"
 
@@ -53,12 +53,3 @@ def momentum_of_steps(params, grad, m, v, lr, beta1, beta2, eps):
     """m = beta1 m - lr g, p + lr m-hat / sqrt(v-hat), corrections without their power."""
     m, v = beta1 * m - lr * grad, beta2 * v + (1 - beta2) * grad**2
     return params + lr * (m / (1 - beta1)) / (np.sqrt(v / (1 - beta2)) + eps), m, v
-
-
-@right("positional_encoding", seen=f"{TRIAL}: a phase of whole turns", digits=True, arrays="numpy")
-def whole_turns_added(x, L):
-    """cos and sin of 2^k pi x + 10 k pi."""
-    waves = [x]
-    for k in range(L):
-        waves += [f(2**k * np.pi * x + 10 * k * np.pi) for f in (np.cos, np.sin)]
-    return np.concatenate(waves, -1).astype(x.dtype)

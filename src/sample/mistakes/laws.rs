@@ -175,7 +175,7 @@ const STEP: [&str; 13] = [
 ];
 
 /// What the first, or the last, is where it has no neighbor.
-const END: [&str; 12] = [
+const END: [&str; 10] = [
     "the same",
     "0",
     "its neighbor's",
@@ -186,8 +186,6 @@ const END: [&str; 12] = [
     "what is left up to near, or far",
     "1e10",
     "1e-3",
-    "1e-10",
-    "1e-8",
 ];
 
 /// Those of steps.
@@ -241,7 +239,8 @@ fn of_steps(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
             5 => 0.5 * (first + last),
             6 => all,
             7 => left,
-            n => [1e10, 1e-3, 1e-10, 1e-8][n - 8],
+            8 => 1e10,
+            _ => 1e-3,
         };
         steps[n - 1] = end(law[1], steps[n - 1], steps[n - 2], last, far - t[n - 1]);
         steps[0] = end(law[2], steps[0], steps[1], first, t[0] - near);
