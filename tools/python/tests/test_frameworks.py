@@ -50,7 +50,7 @@ def early_stop(sigmas, rgbs, deltas, offsets, eps):
     colors, opacity = [], []
     for begin, end in zip(offsets[:-1], offsets[1:]):
         light, seen, left = 1.0, sigmas.new_zeros(3), sigmas.new_zeros(())
-        for i in range(begin, end):
+        for i in range(int(begin), int(end)):
             alpha = 1 - (-sigmas[i] * deltas[i]).exp()
             seen, left = seen + light * alpha * rgbs[i], left + light * alpha
             light *= 1 - alpha
