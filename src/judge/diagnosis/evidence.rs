@@ -230,6 +230,19 @@ mod tests {
     use crate::contract::arithmetic::Dtype;
     use crate::convention::CS180;
 
+    /// Half of the frequencies of 2 pi are those of pi; a quarter of them are nobody's.
+    #[test]
+    fn a_scale_may_be_another_convention() {
+        let exam = Exam::new("positional_encoding", Dtype::F64, None).unwrap();
+        let (question, options) = (&exam.questions[0], MarkOptions { dtype: Dtype::F64, exp_ulp: 4.0 });
+        let right = |case: &Case| Some(given((question.component.forward.oracle)(&case.inputs, &CS180)));
+        let answers: Answers = question.cases.iter().map(right).collect();
+        let twice = CS180.with("frequency", "two_pi").expect("listed");
+        let scaled = Hypothesis::new(vec!["another_first_band"], twice);
+        let renames = |c: f64| only_renames(&scaled.with_number(c), &[CS180], question, &answers, &options);
+        assert!(renames(0.5) && !renames(0.25));
+    }
+
     /// What predicts the same as the right formula explains nothing, however wide its bound is where a ray ends at a threshold.
     #[test]
     fn a_mistake_shows_where_it_is_nearer_than_the_right_formula() {

@@ -104,11 +104,9 @@ fn weight(w: f64, choice: usize) -> f64 {
 
 fn of(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
     let (rays, n) = size(a, "weights");
-    let mut a = a.clone();
-    a.get_mut("weights").expect("an input").mapv_inplace(|w| weight(w, law[5]));
-    let a = &a;
     let far = number(a, "far");
     let mut values = a.clone();
+    values.get_mut("weights").expect("an input").mapv_inplace(|w| weight(w, law[5]));
     let others = |r: usize| -> Vec<f64> {
         let t = row(a, "t", r);
         (0..n).map(|i| weighed(&t, i, far, law[0])).collect()
@@ -116,7 +114,7 @@ fn of(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
     values.insert("t".into(), array(&[rays, n], (0..rays).flat_map(others).collect()));
     let right = depths(&values, c);
     let one = |r: usize| {
-        let (weights, x) = (row(a, "weights", r), row(&values, "t", r));
+        let (weights, x) = (row(&values, "weights", r), row(&values, "t", r));
         let t = row(a, "t", r);
         let sum: f64 = weights.iter().zip(&x).map(|(w, x)| product(*w, *x)).sum();
         let whole: f64 = weights.iter().sum();
