@@ -164,6 +164,9 @@ pub struct Conventions {
     /// Which weights a ray's opacity adds up.
     #[serde(default)]
     pub opacity_sum: OpacitySum,
+    /// What a ray's last sample is.
+    #[serde(default)]
+    pub last_sample: LastSample,
     /// Where a quaternion has its real part.
     #[serde(default)]
     pub quaternion_order: QuaternionOrder,

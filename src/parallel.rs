@@ -34,7 +34,20 @@ pub fn threads() -> usize {
 
 /// `f(0), f(1), ..., f(n - 1)`, in order, on all threads.
 pub fn map<T: Send>(n: usize, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
-    (0..n).into_par_iter().map(f).collect()
+    let results: Vec<Mutex<Option<T>>> = (0..n).map(|_| Mutex::new(None)).collect();
+    let set = |i: usize| {
+        let result = f(i);
+        *results[i].lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
+    };
+    each(n, &set);
+    let result = |slot: Mutex<Option<T>>| slot.into_inner().unwrap_or_else(PoisonError::into_inner);
+    results.into_iter().map(|slot| result(slot).expect("every index is done")).collect()
+}
+
+/// `f` of every index, in any order. Here and below `dyn` lets all callers share one build of what rayon does: it is every tenth line of
+/// the program otherwise.
+fn each(n: usize, f: &(dyn Fn(usize) + Sync)) {
+    (0..n).into_par_iter().for_each(f);
 }
 
 /// The same of work that waits for other programs, or is long: each on a thread of its own, in order, as many at once as there are
@@ -58,11 +71,13 @@ pub fn map_apart<T: Send>(n: usize, f: impl Fn(usize) -> T + Sync + Send) -> Vec
 
 /// `f(i, chunk)` for consecutive chunks of `size` entries (the last may be shorter).
 pub fn for_chunks<T: Send>(data: &mut [T], size: usize, f: impl Fn(usize, &mut [T]) + Sync + Send) {
+    let f: &(dyn Fn(usize, &mut [T]) + Sync) = &f;
     data.par_chunks_mut(size).enumerate().for_each(|(i, chunk)| f(i, chunk));
 }
 
 /// `f(&mut item)` for every item; items own their data, so the order of execution can't matter.
 pub fn for_each<T: Send>(items: &mut [T], f: impl Fn(&mut T) + Sync + Send) {
+    let f: &(dyn Fn(&mut T) + Sync) = &f;
     items.par_iter_mut().for_each(f);
 }
 

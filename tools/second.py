@@ -82,6 +82,7 @@ CS180 = {
     "sigma_relu": "none",
     "backdrop": "none",
     "opacity_sum": "all",
+    "last_sample": "as_it_is",
     "quaternion_order": "wxyz",
     "quaternion_length": "divided",
     "splat_scale": "plain",

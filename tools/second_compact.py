@@ -61,7 +61,7 @@ def one_ray(a, first, n):
 def early_stop(a, c, wrong):
     """Ray by ray, by products of 1 - alpha."""
     shown = ["optical_depth_for_alpha"] if "optical_depth_for_alpha" in wrong else ()
-    c = c | {"product_eps": "none", "backdrop": "none", "sigma_relu": "none", "opacity_sum": "all"}
+    c = c | {"product_eps": "none", "backdrop": "none", "sigma_relu": "none", "opacity_sum": "all", "last_sample": "as_it_is"}
     ends = np.rint(a["offsets"]).astype(int)
     kind, carried = a["sigmas"].dtype.type, a["sigmas"].dtype.type(1)
     out = {"weights": np.zeros_like(a["sigmas"]), "live": [], "colors": [], "opacity": [], "transmittance": []}
@@ -103,7 +103,7 @@ def before_division(ray, c):
 
 def early_stop_vjp(a, c, wrong):
     """The gradient of so many samples."""
-    c = c | {"product_eps": "none", "backdrop": "none", "sigma_relu": "none", "opacity_sum": "all"}
+    c = c | {"product_eps": "none", "backdrop": "none", "sigma_relu": "none", "opacity_sum": "all", "last_sample": "as_it_is"}
     ends = np.rint(a["offsets"]).astype(int)
     out = {f"grad_{name}": np.zeros_like(a[name]) for name in ("sigmas", "rgbs", "deltas")}
     for r, (first, end) in enumerate(zip(ends, ends[1:])):

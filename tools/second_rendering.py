@@ -84,8 +84,30 @@ def before_white(c, a):
     return a
 
 
+OPAQUE = {"sigmas": 1, "deltas": 1e10, "alphas": 1}
+
+
+def closed(a, c):
+    """Samples, the last of each ray opaque where that is the convention."""
+    if c["last_sample"] == "as_it_is":
+        return a
+    n = a["rgbs"].shape[1]
+    last = np.arange(n) == n - 1
+    return a | {name: np.where(last, a[name].dtype.type(OPAQUE[name]), a[name]) for name in OPAQUE if name in a}
+
+
+def of_closed(c, gradients):
+    """An opaque last sample has no gradient."""
+    if c["last_sample"] == "opaque":
+        for name in OPAQUE:
+            if f"grad_{name}" in gradients:
+                gradients[f"grad_{name}"][:, -1:] = 0
+    return gradients
+
+
 def volume_render(a, c, wrong):
     """alpha = 1 - exp(-sigma delta), then the product."""
+    a = closed(a, c)
     sigmas, deltas = a["sigmas"], a["deltas"]
     n = sigmas.shape[1]
     if "first_ray_deltas" in wrong:
@@ -128,6 +150,7 @@ def volume_render(a, c, wrong):
 
 def volume_render_alpha(a, c, wrong):
     """From opacities, those that count."""
+    a = closed(a, c)
     alphas, _ = counted(a["alphas"], c)
     return over(c, composite(alphas, a["rgbs"], EPS[c["product_eps"]], wrong))
 
@@ -157,7 +180,7 @@ def from_behind(alphas, factors, a):
 
 def volume_render_vjp(a, c, wrong):
     """d w_i / d x_i = T_i e^-x_i; everything behind is shaded by the same factor."""
-    a = before_white(c, a)
+    a = closed(before_white(c, a), c)
     passed = np.exp(-(a["sigmas"] * a["deltas"]))
     alphas = -np.expm1(-(a["sigmas"] * a["deltas"]))
     front, g_w, worth = from_behind(alphas, passed + passed.dtype.type(EPS[c["product_eps"]]), a)
@@ -166,12 +189,12 @@ def volume_render_vjp(a, c, wrong):
     if c["sigma_relu"] == "inside":
         g_sigmas = np.where(a["sigmas"] > 0, g_sigmas, 0)
     g_rgbs = (front * alphas)[..., None] * a["grad_colors"][:, None]
-    return {"grad_sigmas": g_sigmas, "grad_rgbs": g_rgbs, "grad_deltas": g_x * a["sigmas"]}
+    return of_closed(c, {"grad_sigmas": g_sigmas, "grad_rgbs": g_rgbs, "grad_deltas": g_x * a["sigmas"]})
 
 
 def volume_render_alpha_vjp(a, c, wrong):
     """The same without the exponential."""
-    a = before_white(c, a)
+    a = closed(before_white(c, a), c)
     alphas, count = counted(a["alphas"], c)
     front, g_w, worth = from_behind(alphas, 1 - alphas + alphas.dtype.type(EPS[c["product_eps"]]), a)
     g = front * (g_w - worth)
@@ -179,7 +202,7 @@ def volume_render_alpha_vjp(a, c, wrong):
         g = np.where(alphas == 1, front * g_w, g)
     if "shade_gradient_forgotten" in wrong:
         g = front * g_w
-    return {"grad_alphas": np.where(count, g, 0), "grad_rgbs": (front * alphas)[..., None] * a["grad_colors"][:, None]}
+    return of_closed(c, {"grad_alphas": np.where(count, g, 0), "grad_rgbs": (front * alphas)[..., None] * a["grad_colors"][:, None]})
 
 
 def composite_background(a, c, wrong):

@@ -19,7 +19,7 @@ def loss_scale_update(a, c, wrong):
         due = counted > interval if "one_step_late" in wrong else counted >= interval
         shrunk = scale / backoff if "divided_by_backoff" in wrong else scale * backoff
         shrunk = max(shrunk, 1.0) if c["loss_scale_floor"] == "one" else shrunk
-        grown = min(scale * growth, 2.0**24) if c["loss_scale_ceiling"] == "2^24" else scale * growth
+        grown = min(scale * growth, {"none": np.inf, "2^16": 2.0**16, "2^24": 2.0**24}[c["loss_scale_ceiling"]])
         after_overflow = tracker if "tracker_kept_at_overflow" in wrong else float("overflow_counted" in wrong)
         after_growth = counted if "tracker_kept_at_growth" in wrong else 0.0
         scale = np.where(found, shrunk, np.where(due, grown, scale)).item()

@@ -21,6 +21,7 @@ USUAL = {
     "sigma_relu": "none",
     "backdrop": "none",
     "opacity_sum": "all",
+    "last_sample": "as_it_is",
 }
 NAMES = [f"{layer}_{part}" for layer in networks.NAMES for part in "wb"]
 

@@ -16,6 +16,46 @@ pub struct Laws {
     pub rounding: &'static [(usize, usize)],
 }
 
+/// What keeps a number off 0 that is divided by, or whose logarithm is taken.
+#[derive(Clone, Copy, Debug)]
+pub enum Guard {
+    /// x.
+    Nothing,
+    /// x + eps.
+    Plus(f64),
+    /// max(x, eps).
+    AtLeast(f64),
+    /// sqrt(x^2 + eps).
+    UnderRoot(f64),
+}
+
+impl Guard {
+    /// What stands for the number.
+    pub fn of(self, x: f64) -> f64 {
+        match self {
+            Guard::Nothing => x,
+            Guard::Plus(eps) => x + eps,
+            Guard::AtLeast(eps) => x.max(eps),
+            Guard::UnderRoot(eps) => (x * x + eps).sqrt(),
+        }
+    }
+
+    /// The same as one would write it.
+    pub fn said(self, x: &str) -> String {
+        match self {
+            Guard::Nothing => x.into(),
+            Guard::Plus(eps) => format!("{x} + {}", written(eps)),
+            Guard::AtLeast(eps) => format!("max({x}, {})", written(eps)),
+            Guard::UnderRoot(eps) => format!("sqrt({x}^2 + {})", written(eps)),
+        }
+    }
+}
+
+/// A threshold as one writes it.
+pub fn written(x: f64) -> String {
+    if x < 0.01 { format!("{x:e}") } else { x.to_string() }
+}
+
 impl Laws {
     /// The first `most` of the formulas that differ from the right one in so many of the parts that may. Those whose wrong parts come last come
     /// first.
@@ -60,6 +100,17 @@ mod tests {
         of: |a, _, _| a.clone(),
         rounding: &[(0, 2)],
     };
+
+    #[test]
+    fn a_guard_does_what_it_says() {
+        let all = [Guard::Nothing, Guard::Plus(1e-8), Guard::AtLeast(0.5), Guard::UnderRoot(9.0)];
+        assert_eq!(all.map(|guard| guard.of(4.0)), [4.0, 4.0 + 1e-8, 4.0, 5.0]);
+        assert_eq!(all.map(|guard| guard.of(0.0)), [0.0, 1e-8, 0.5, 3.0]);
+        assert_eq!(
+            all.map(|guard| guard.said("|w|")),
+            ["|w|", "|w| + 1e-8", "max(|w|, 0.5)", "sqrt(|w|^2 + 9)"]
+        );
+    }
 
     #[test]
     fn each_formula_comes_once() {

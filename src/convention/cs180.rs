@@ -49,6 +49,7 @@ pub const CS180: Conventions = Conventions {
     sigma_relu: SigmaRelu::None,
     backdrop: Backdrop::None,
     opacity_sum: OpacitySum::All,
+    last_sample: LastSample::AsItIs,
     quaternion_order: QuaternionOrder::RealFirst,
     quaternion_length: QuaternionLength::Divided,
     splat_scale: SplatScale::Plain,

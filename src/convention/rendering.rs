@@ -187,6 +187,17 @@ pub enum OpacitySum {
     WithoutLast,
 }
 
+/// What the last sample of a ray is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LastSample {
+    /// One as all others are.
+    #[default]
+    AsItIs,
+    /// Opaque, whatever its density: nothing is seen behind it (multinerf's `opaque_background`; the farthest plane of a multiplane image).
+    Opaque,
+}
+
 /// What becomes of opacities below 1 / 255.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

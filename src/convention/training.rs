@@ -82,7 +82,21 @@ pub enum LossScaleCeiling {
     /// Nothing but the largest number (PyTorch, jmp).
     #[default]
     None,
+    /// 2^16, about the largest number of 16 bits.
+    #[serde(rename = "2^16")]
+    TwoTo16,
     /// 2^24 (apex).
     #[serde(rename = "2^24")]
     TwoTo24,
+}
+
+impl LossScaleCeiling {
+    /// The number.
+    pub fn value(self) -> f64 {
+        match self {
+            LossScaleCeiling::None => f64::INFINITY,
+            LossScaleCeiling::TwoTo16 => 65_536.0,
+            LossScaleCeiling::TwoTo24 => 16_777_216.0,
+        }
+    }
 }

@@ -2,11 +2,14 @@
 //! five coefficients asked for eight.
 
 use super::answer::{Answer, Answers, reshaped};
+use super::assignment::admitted;
 use super::exam::{Exam, Question};
+use super::partial::apply;
 use crate::contract::arrays::number;
 use crate::contract::case::Case;
 use crate::contract::check::Kind;
 use crate::contract::special::{Only, Reach};
+use crate::convention::CS180;
 
 /// The exam and the answers without the cases that are beyond the candidate, where there are some: it crashed on all of them, or gave
 /// arrays of other shapes, and it did not on all others.
@@ -64,14 +67,29 @@ fn left_out(question: &Question, answers: &Answers) -> Vec<Option<String>> {
     question.cases.iter().map(why).collect()
 }
 
-/// Whether a candidate answers to one length of an axis alone, and crashes on all others that are asked. Shapes don't count here:
-/// whether columns are missing or another convention's isn't known yet.
+/// Whether a candidate answers to one length of an axis alone: on others that are asked it crashes, or takes of longer ones what it can, and
+/// gives arrays that have no convention's shape.
 fn takes_only(question: &Question, answers: &Answers) -> Option<()> {
     let only = question.component.special.only?;
     let (fitting, others): (Vec<_>, Vec<_>) =
         question.cases.iter().zip(answers).partition(|(case, _)| length(case, &only) == only.length);
     let answered = |(_, answer): &(&Case, &Option<Answer>)| answer.is_some();
-    (!others.is_empty() && !others.iter().any(answered) && fitting.iter().any(answered)).then_some(())
+    let crashed = others.iter().any(|asked| !answered(asked));
+    let taken = |(case, answer): &(&Case, &Option<Answer>)| {
+        let longer = length(case, &only) > only.length;
+        answer.as_ref().is_some_and(|answer| !longer || fits_in_any(question, case, answer))
+    };
+    (crashed && !others.iter().any(taken) && fitting.iter().any(answered)).then_some(())
+}
+
+/// Whether all arrays of an answer have the shapes of some convention.
+fn fits_in_any(question: &Question, case: &Case, answer: &Answer) -> bool {
+    admitted(question, &CS180).iter().any(|p| {
+        let expected = question.expected(case, &apply(p, &CS180));
+        answer.iter().all(|(name, given)| {
+            expected.get(name).is_some_and(|e| reshaped(&given.values, e.shape()).is_some())
+        })
+    })
 }
 
 /// How long the axis is.
@@ -99,10 +117,10 @@ fn reached(question: &Question, answers: &Answers) -> Option<f64> {
 fn beyond(question: &Question, case: &Case, answer: Option<&Answer>) -> bool {
     let Some(answer) = answer else { return true };
     // Asked in the shapes of other conventions, what is right isn't known yet.
-    if !question.admits(&crate::convention::CS180) {
+    if !question.admits(&CS180) {
         return false;
     }
-    let expected = question.expected(case, &crate::convention::CS180);
+    let expected = question.expected(case, &CS180);
     let fits = |name: &String| {
         let given = answer.get(name)?;
         reshaped(&given.values, expected[name].shape())
@@ -112,12 +130,14 @@ fn beyond(question: &Question, case: &Case, answer: Option<&Answer>) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use ndarray::{Axis, Slice};
+
     use super::super::answer::given;
     use super::super::judging::{EXP_ULP, judge_answers};
     use super::super::report::Verdict;
     use super::*;
     use crate::contract::arithmetic::Dtype;
-    use crate::convention::{CS180, Conventions};
+    use crate::convention::Conventions;
 
     #[test]
     fn a_gradient_goes_as_far_as_its_function() {
@@ -185,6 +205,23 @@ mod tests {
         let right = answering("positional_encoding", 1.0, in_space);
         assert!(right.0 == Verdict::Pass && right.1 > 0, "{right:?}");
         assert_eq!(answering("positional_encoding", 1.01, in_space).0, Verdict::Fail);
+        // Of four coordinates it may take three.
+        let exam = Exam::new("positional_encoding", Dtype::F64, None).unwrap();
+        let first_three = |case: &Case| -> Option<Answer> {
+            let mut inputs = case.inputs.clone();
+            let x = inputs.get_mut("x").expect("an input");
+            *x = x.slice_axis(Axis(1), Slice::from(..x.shape()[1].min(3))).to_owned();
+            let space = x.shape()[1] == 3;
+            space.then(|| given((exam.questions[0].component.forward.oracle)(&inputs, &CS180)))
+        };
+        let all = |question: &Question| -> Answers {
+            let forward = question.kind == Kind::Forward;
+            question.cases.iter().map(|case| first_three(case).filter(|_| forward)).collect()
+        };
+        let answers: Vec<Answers> = exam.questions.iter().map(all).collect();
+        let report = judge_answers(&exam, &answers, EXP_ULP);
+        let row = report.of("positional_encoding", "forward").unwrap();
+        assert!(row.verdict == Verdict::Pass && row.left_out.len() >= right.1, "{report}");
         // Who crashes on one of these, too, has crashed.
         let some = |case: &Case| in_space(case) && case.inputs["x"].shape()[0] > 1;
         assert_eq!(answering("positional_encoding", 1.0, some).0, Verdict::Fail);

@@ -1,8 +1,8 @@
 //! Honest updates: the factor of the step, or a quotient with its inverse; in f32 at least, as every library keeps the scale. Gradients
 //! divided by it, or times its inverse.
 
+use super::LossScale;
 use super::arrays::{forward, found, gradients, loss_scale};
-use super::{CEILING, LossScale};
 use crate::contract::Dtype;
 use crate::contract::arrays::{Arrays, number, values};
 use crate::contract::machine::Machine;
@@ -35,7 +35,10 @@ pub(super) fn scaled<O: Operations>(
         return scale;
     }
     let grown = times(s.growth_factor);
-    if c.loss_scale_ceiling == LossScaleCeiling::TwoTo24 { o.min(grown, o.exact(CEILING)) } else { grown }
+    match c.loss_scale_ceiling {
+        LossScaleCeiling::None => grown,
+        held => o.min(grown, o.exact(held.value())),
+    }
 }
 
 /// The tracker after a step.

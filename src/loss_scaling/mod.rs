@@ -66,7 +66,7 @@ pub fn updated(
         return (s.scale, s.tracker + 1);
     }
     let grown = s.scale * s.growth_factor;
-    (if ceiling == LossScaleCeiling::TwoTo24 { grown.min(CEILING) } else { grown }, 0)
+    (grown.min(ceiling.value()), 0)
 }
 
 /// The gradients of the loss from those of the scaled loss: g / scale; `None` where one of them isn't finite (Micikevicius et al. 2018,
@@ -95,6 +95,3 @@ pub fn unscaled(gradients: &[f64], scale: f64) -> Option<Vec<f64>> {
     }
     Some(out)
 }
-
-/// 2^24.
-const CEILING: f64 = 16_777_216.0;

@@ -3,7 +3,7 @@
 use super::arrays::size;
 use crate::contract::arrays::{Arrays, arrays, input, threes};
 use crate::contract::component::Component;
-use crate::convention::{Backdrop, Conventions, Delta, OpacitySum};
+use crate::convention::{Backdrop, Conventions, Delta, LastSample, OpacitySum};
 use crate::volume_rendering::mistakes::ALPHA_ERROR;
 use crate::{ray, sample, volume_rendering};
 
@@ -14,7 +14,12 @@ pub(super) fn plainly(delta: f64, d: [f64; 3]) -> f64 {
 
 /// A trace has a background of its own, whatever `volume_render` puts behind a ray, and all of a ray in front of it.
 pub(super) fn without_backdrop(c: &Conventions) -> Conventions {
-    Conventions { backdrop: Backdrop::None, opacity_sum: OpacitySum::All, ..*c }
+    Conventions {
+        backdrop: Backdrop::None,
+        opacity_sum: OpacitySum::All,
+        last_sample: LastSample::AsItIs,
+        ..*c
+    }
 }
 
 /// Runs image_rays, sample_along_rays, step_sizes, volume_render and composite_background with `run`, each with the outputs of the

@@ -6,8 +6,8 @@ use ndarray::{ArrayD, Axis};
 use super::{Batch, Field, Trained, flat, train};
 use crate::contract::arrays::{Arrays, array, arrays, input, number, rows, threes, values};
 use crate::convention::{
-    Activation, Backdrop, Bands, CS180, ColorOrder, Conventions, Cosine, IdentityPlace, OpacitySum,
-    ProductEps, SigmaRelu,
+    Activation, Backdrop, Bands, CS180, ColorOrder, Conventions, Cosine, IdentityPlace, LastSample,
+    OpacitySum, ProductEps, SigmaRelu,
 };
 use crate::field::arrays::Nerf;
 use crate::optimizer::Adam;
@@ -28,6 +28,7 @@ pub(super) fn usual(c: &Conventions) -> Conventions {
         sigma_relu: SigmaRelu::None,
         backdrop: Backdrop::None,
         opacity_sum: OpacitySum::All,
+        last_sample: LastSample::AsItIs,
         ..*c
     }
 }

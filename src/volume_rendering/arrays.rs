@@ -1,12 +1,16 @@
 //! Volume rendering on named arrays: batches on one side, slices of one ray on the other.
 
+use std::borrow::Cow;
+
 use ndarray::{ArrayView1, Axis, s};
 
 use super::backward::Cotangent;
 use super::{Rendering, backward, composite_background, depth};
 use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, number, rgb, row, rows3, size, values};
-use crate::convention::{AlphaStop, Backdrop, CapGradient, Conventions, Faint, OpacitySum, SigmaRelu};
+use crate::convention::{
+    AlphaStop, Backdrop, CapGradient, Conventions, Faint, LastSample, OpacitySum, SigmaRelu,
+};
 use crate::math::Sum;
 
 /// The outputs of R rays as arrays.
@@ -30,7 +34,40 @@ pub(crate) fn cotangent(arrays: &Arrays, r: usize) -> Cotangent {
     }
 }
 
+/// What stands for the last sample of each ray where that is opaque by convention, whatever its density.
+const OPAQUE: [(&str, f64); 3] = [("sigmas", 1.0), ("deltas", 1e10), ("alphas", 1.0)];
+
+/// Sets what is given of each ray's last sample.
+fn set_last(a: &mut Arrays, name: &str, value: f64) {
+    if let Some(array) = a.get_mut(name) {
+        array
+            .lanes_mut(Axis(1))
+            .into_iter()
+            .filter_map(|ray| ray.into_iter().last())
+            .for_each(|x| *x = value);
+    }
+}
+
+/// Samples with the last of each ray as it counts.
+pub(super) fn closed<'a>(a: &'a Arrays, c: &Conventions) -> Cow<'a, Arrays> {
+    if c.last_sample == LastSample::AsItIs {
+        return Cow::Borrowed(a);
+    }
+    let mut closed = a.clone();
+    OPAQUE.iter().for_each(|(name, value)| set_last(&mut closed, name, *value));
+    Cow::Owned(closed)
+}
+
+/// Gradients, where an opaque last sample has none.
+pub(super) fn gradients_of_closed(c: &Conventions, mut gradients: Arrays) -> Arrays {
+    if c.last_sample == LastSample::Opaque {
+        OPAQUE.iter().for_each(|(name, _)| set_last(&mut gradients, &format!("grad_{name}"), 0.0));
+    }
+    gradients
+}
+
 pub(super) fn render(a: &Arrays, c: &Conventions) -> Arrays {
+    let a = &closed(a, c);
     let (rays, samples) = size(a, "sigmas");
     let ray = |r| {
         super::volume_render(&row(a, "sigmas", r), &rows3(a, "rgbs", r), &row(a, "deltas", r), c.product_eps)
@@ -74,6 +111,7 @@ pub(crate) fn cotangent_over(a: &Arrays, r: usize, c: &Conventions) -> Cotangent
 }
 
 pub(super) fn render_vjp(a: &Arrays, c: &Conventions) -> Arrays {
+    let a = &closed(a, c);
     let (rays, samples) = size(a, "sigmas");
     let (mut g_sigmas, mut g_rgbs, mut g_deltas) = (vec![], vec![], vec![]);
     for r in 0..rays {
@@ -96,11 +134,12 @@ pub(super) fn render_vjp(a: &Arrays, c: &Conventions) -> Arrays {
         ("grad_rgbs", array(&[rays, samples, 3], g_rgbs)),
         ("grad_deltas", array(&[rays, samples], g_deltas)),
     ]);
-    gradients_of_rectified(a, c, gradients)
+    gradients_of_densities(a, c, gradients)
 }
 
-/// The same through a ReLU, where that is the convention: a density of 0 has none.
-pub(super) fn gradients_of_rectified(a: &Arrays, c: &Conventions, mut gradients: Arrays) -> Arrays {
+/// Gradients of samples that count as they are: by convention an opaque last one has none, nor has a density of 0 behind a ReLU.
+pub(super) fn gradients_of_densities(a: &Arrays, c: &Conventions, gradients: Arrays) -> Arrays {
+    let mut gradients = gradients_of_closed(c, gradients);
     if c.sigma_relu == SigmaRelu::Inside {
         let gradient = gradients.get_mut("grad_sigmas").expect("a gradient");
         gradient.zip_mut_with(&a["sigmas"], |g, &sigma| *g = if sigma > 0.0 { *g } else { 0.0 });
@@ -235,7 +274,7 @@ pub(super) fn ends(a: &Arrays, c: &Conventions, through: impl Fn(f64, f64) -> f6
         let spent = if c.alpha_stop == AlphaStop::InFront { ray.iter().position(spent) } else { None };
         spent.unwrap_or(ray.len())
     };
-    a["alphas"].lanes(Axis(1)).into_iter().map(end).collect()
+    closed(a, c)["alphas"].lanes(Axis(1)).into_iter().map(end).collect()
 }
 
 /// The light at which a ray ends.
@@ -243,7 +282,7 @@ pub(super) const LEAST_LIGHT: f64 = 1e-4;
 
 /// The opacities that count where rays end behind so many samples.
 pub(super) fn counted_to(a: &Arrays, c: &Conventions, ends: &[usize]) -> Arrays {
-    let mut a = a.clone();
+    let mut a = closed(a, c).into_owned();
     let alphas = a.get_mut("alphas").expect("an input");
     alphas.mapv_inplace(|alpha| capped(alpha, c));
     for (mut ray, &end) in alphas.lanes_mut(Axis(1)).into_iter().zip(ends) {
@@ -259,7 +298,8 @@ pub(super) fn gradients_of_counted(a: &Arrays, c: &Conventions, gradients: Array
 }
 
 /// The same where rays end behind so many samples.
-pub(super) fn gradients_to(a: &Arrays, c: &Conventions, ends: &[usize], mut gradients: Arrays) -> Arrays {
+pub(super) fn gradients_to(a: &Arrays, c: &Conventions, ends: &[usize], gradients: Arrays) -> Arrays {
+    let mut gradients = gradients_of_closed(c, gradients);
     let gradient = gradients.get_mut("grad_alphas").expect("a gradient");
     let held = |alpha: f64| c.cap_gradient == CapGradient::Stopped && alpha > c.alpha_cap.value();
     let rays = gradient.lanes_mut(Axis(1)).into_iter().zip(a["alphas"].lanes(Axis(1)));

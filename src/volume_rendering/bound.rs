@@ -6,8 +6,8 @@
 pub(crate) mod depth;
 
 use super::arrays::{
-    LEAST_LIGHT, cotangent, counted_to, exact_ends, gradients_of_rectified, gradients_to, render_alpha,
-    render_alpha_vjp,
+    LEAST_LIGHT, closed, cotangent, counted_to, exact_ends, gradients_of_densities, gradients_to,
+    render_alpha, render_alpha_vjp,
 };
 use super::backward::Cotangent;
 use crate::contract::arithmetic::{Arithmetic, Grade};
@@ -235,6 +235,7 @@ fn forward(rays: &[Ray], c: &Conventions, m: &Arithmetic) -> Arrays {
 
 /// Bound of [`super::volume_render`].
 pub(crate) fn volume_render(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+    let a = &closed(a, c);
     let (rays, _) = size(a, "sigmas");
     let rays: Vec<Ray> = (0..rays).map(|r| Ray::of_case(a, r, c.product_eps, m).over(c)).collect();
     forward(&rays, c, m)
@@ -286,6 +287,7 @@ fn possible_ends(all: &Arrays, r: usize, c: &Conventions, m: &Arithmetic) -> [us
 
 /// Bound of [`super::backward::volume_render`].
 pub(crate) fn volume_render_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+    let a = &closed(a, c);
     let (rays, samples) = size(a, "sigmas");
     let (mut g_sigmas, mut g_rgbs, mut g_deltas) = (vec![], vec![], vec![]);
     for r in 0..rays {
@@ -300,7 +302,7 @@ pub(crate) fn volume_render_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> 
         ("grad_rgbs", array(&[rays, samples, 3], g_rgbs)),
         ("grad_deltas", array(&[rays, samples], g_deltas)),
     ]);
-    gradients_of_rectified(a, c, bounds)
+    gradients_of_densities(a, c, bounds)
 }
 
 /// Bound of [`super::backward::volume_render_alpha`].

@@ -38,7 +38,7 @@ pub(crate) const VOLUME_RENDER: Component = Component {
     source: "NeRF (Mildenhall et al. 2020) equation 3",
     inputs: &[SIGMAS, RGBS, DELTAS],
     outputs: &[COLORS, WEIGHTS, OPACITY, TRANSMITTANCE],
-    conventions: &["product_eps", "backdrop", "sigma_relu", "opacity_sum"],
+    conventions: &["product_eps", "backdrop", "sigma_relu", "opacity_sum", "last_sample"],
     forward: Direction {
         oracle: arrays::render,
         bound: bound::volume_render,
@@ -58,7 +58,7 @@ pub(crate) const VOLUME_RENDER: Component = Component {
         forms: FORMS,
         large: cases::large::densities,
         left_of_one: &["transmittance"],
-        of_gradients: arrays::gradients_of_rectified,
+        of_gradients: arrays::gradients_of_densities,
         laws: Some(mistakes::weight_laws::OF_DENSITIES),
         gradient_laws: Some(mistakes::gradient_laws::OF_DENSITIES),
         ..Special::NONE
@@ -82,6 +82,7 @@ pub(crate) const VOLUME_RENDER_ALPHA: Component = Component {
         "cap_gradient",
         "backdrop",
         "opacity_sum",
+        "last_sample",
     ],
     forward: Direction {
         oracle: arrays::render_alpha,

@@ -1,7 +1,7 @@
 //! Honest implementations of volume rendering in emulated arithmetic: what the bound must never reject.
 
 use super::Rendering;
-use super::arrays::{cotangent, counted_to, ends, gradients_of_rectified, gradients_to, renderings};
+use super::arrays::{closed, cotangent, counted_to, ends, gradients_of_densities, gradients_to, renderings};
 use super::backward::Cotangent;
 use crate::contract::arrays::{Arrays, array, arrays, number, rgb, row, rows3, size, values};
 use crate::contract::machine::Machine;
@@ -74,6 +74,7 @@ fn render_ray_alpha(a: &Arrays, r: usize, c: &Conventions, m: &Machine) -> Rende
 
 /// Rendering from densities.
 pub(crate) fn volume_render(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+    let a = &closed(a, c);
     let (rays, samples) = size(a, "sigmas");
     renderings(samples, &(0..rays).map(|r| render_ray(a, r, c, m)).collect::<Vec<_>>())
 }
@@ -124,6 +125,7 @@ fn gradients(
 
 /// Gradient of rendering from densities.
 pub(crate) fn volume_render_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+    let a = &closed(a, c);
     let (rays, samples) = size(a, "sigmas");
     let (mut g_sigmas, mut g_rgbs, mut g_deltas) = (vec![], vec![], vec![]);
     for r in 0..rays {
@@ -140,7 +142,7 @@ pub(crate) fn volume_render_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arr
         ("grad_rgbs", array(&[rays, samples, 3], g_rgbs)),
         ("grad_deltas", array(&[rays, samples], g_deltas)),
     ]);
-    gradients_of_rectified(a, c, gradients)
+    gradients_of_densities(a, c, gradients)
 }
 
 /// Gradient of rendering from opacities.

@@ -24,8 +24,8 @@ pub(crate) mod weight_laws;
 pub(crate) use background::{COMPOSITE_BACKGROUND, composite_background, composite_background_vjp};
 pub(crate) use catalogue::OWN_STEP;
 use catalogue::{
-    COLORS_GIVEN_UP, DIVIDED, EPS_IN_PRODUCT, GIVEN_UP, LAST_OPAQUE, OVER_RAYS, OVER_RAYS_INCLUSIVE,
-    WEIGHTS_CUT, WEIGHTS_NORMALIZED,
+    COLORS_GIVEN_UP, DIVIDED, EPS_IN_PRODUCT, GIVEN_UP, OVER_RAYS, OVER_RAYS_INCLUSIVE, WEIGHTS_CUT,
+    WEIGHTS_NORMALIZED,
 };
 pub(crate) use densities::{ALPHA_ERROR, rounds_alpha, volume_render};
 pub(crate) use depth::{DEPTH, depth, depth_vjp};
@@ -312,9 +312,6 @@ pub(crate) fn volume_render_alpha(a: &Arrays, c: &Conventions, wrong: &[&str]) -
     let a = &arrays::counted(a, c);
     let (count, samples) = size(a, "alphas");
     let mut alphas: Vec<Vec<f64>> = (0..count).map(|r| row(a, "alphas", r)).collect();
-    if wrong.contains(&LAST_OPAQUE.name) {
-        alphas.iter_mut().filter_map(|ray| ray.last_mut()).for_each(|alpha| *alpha = 1.0);
-    }
     if let Some(least) = THIN_ALPHAS.among(wrong) {
         alphas.iter_mut().flatten().filter(|alpha| **alpha < least).for_each(|alpha| *alpha = 0.0);
     }

@@ -216,6 +216,15 @@ def last_sample_is_no_opacity_over_white(sigmas, rgbs, deltas):
     return colors + (1 - weights.sum(-1))[:, None], weights, opacity
 
 
+@convention("volume_render", {"last_sample": "opaque"}, seen="google-research/multinerf internal/render.py with opaque_background", times=3)
+def nothing_is_seen_behind_the_last_sample(sigmas, rgbs, deltas):
+    """The last step leads to infinity, and its density with it."""
+    depths = sigmas * deltas
+    depths = torch.cat([depths[:, :-1], torch.full_like(depths[:, -1:], torch.inf)], 1)
+    front = torch.exp(-torch.cat([torch.zeros_like(depths[:, :1]), torch.cumsum(depths[:, :-1], 1)], 1)[:, : depths.shape[1]])
+    return summed((1 - torch.exp(-depths)) * front, rgbs)
+
+
 @fault("volume_render", "inclusive_transmittance", seen="CMU 16-825 students; tutorials in three languages", times=7)
 def product_as_it_comes(sigmas, rgbs, deltas):
     """The cumulative product isn't moved: each sample shades itself."""

@@ -48,6 +48,15 @@ def weights_as_a_matrix(alphas, rgbs):
     return torch.stack([w @ c for w, c in zip(front * alphas, rgbs)])
 
 
+@convention("volume_render_alpha", {"last_sample": "opaque"}, seen="multiplane images: tinghuiz/stereo-magnification's over and ports to torch", times=3)
+def farthest_layer_is_opaque(alphas, rgbs):
+    """Back to front: the first layer that is laid down covers all, whatever its opacity."""
+    seen = rgbs[:, -1] if alphas.shape[1] else torch.zeros(len(alphas), 3)
+    for i in reversed(range(alphas.shape[1] - 1)):
+        seen = rgbs[:, i] * alphas[:, i, None] + seen * (1 - alphas[:, i, None])
+    return seen
+
+
 @convention("volume_render_alpha", {"product_eps": "1e-10"}, seen="a generative scene code with opacities", times=2)
 def padded_product_with_1e_10(alphas, rgbs):
     """1e-10 in the factors."""

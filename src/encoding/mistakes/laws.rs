@@ -3,7 +3,7 @@
 use super::super::arrays::{dims, settings};
 use super::super::{Encoding, positional_encoding, wave};
 use crate::contract::arrays::{Arrays, arrays, from_rows, rows};
-use crate::contract::laws::Laws;
+use crate::contract::laws::{Guard, Laws};
 use crate::convention::Conventions;
 use crate::math::{cos, exp, pow, sin};
 
@@ -67,16 +67,15 @@ const BEFOREHAND: [&str; 20] = [
     "(x + 1) mod 2 - 1",
 ];
 
-/// What that is divided by.
-const OVER: [&str; 8] = [
-    "that",
-    "that + 1e-8",
-    "that + 1e-6",
-    "that + 1e-10",
-    "max(that, 1e-12)",
-    "max(that, 1e-8)",
-    "max(that, 1e-6)",
-    "1 where that is 0",
+/// What that is divided by; behind these, 1 where that is 0.
+const OVER: [Guard; 7] = [
+    Guard::Nothing,
+    Guard::Plus(1e-8),
+    Guard::Plus(1e-6),
+    Guard::Plus(1e-10),
+    Guard::AtLeast(1e-12),
+    Guard::AtLeast(1e-8),
+    Guard::AtLeast(1e-6),
 ];
 
 /// How it is scaled.
@@ -100,11 +99,14 @@ const ITSELF: [&str; 4] = ["what is encoded", "x as it came", "0", "pi x"];
 
 /// Those of a point.
 pub(crate) const OF_POINTS: Laws = Laws {
-    choices: &[BANDS.len(), WAVES.len(), OVER.len(), SCALED.len(), BEFOREHAND.len(), ITSELF.len()],
+    choices: &[BANDS.len(), WAVES.len(), OVER.len() + 1, SCALED.len(), BEFOREHAND.len(), ITSELF.len()],
     says: |part, choice| match part {
         0 => format!("bands {}", BANDS[choice]),
         1 => format!("waves {}", WAVES[choice]),
-        2 => format!("{} in the place of what x is divided by", OVER[choice]),
+        2 => {
+            let over = OVER.get(choice).map_or("1 where that is 0".into(), |guard| guard.said("that"));
+            format!("{over} in the place of what x is divided by")
+        }
         3 => format!("{} encoded in the place of x", SCALED[choice]),
         4 => format!("beforehand x' = {}", BEFOREHAND[choice]),
         _ => format!("{} for x itself", ITSELF[choice]),
@@ -160,15 +162,10 @@ fn waves(encoding: &Encoding, k: usize, x: f64, law: &[usize]) -> (f64, f64) {
 }
 
 fn over(length: f64, choice: usize) -> f64 {
-    match choice {
-        1 => length + 1e-8,
-        2 => length + 1e-6,
-        3 => length + 1e-10,
-        4 => length.max(1e-12),
-        5 => length.max(1e-8),
-        6 => length.max(1e-6),
-        7 if length == 0.0 => 1.0,
-        _ => length,
+    match OVER.get(choice) {
+        Some(guard) => guard.of(length),
+        None if length == 0.0 => 1.0,
+        None => length,
     }
 }
 

@@ -5,7 +5,7 @@ use glam::DVec2;
 use super::super::arrays::coefficients;
 use super::super::distort;
 use crate::contract::arrays::Arrays;
-use crate::contract::laws::Laws;
+use crate::contract::laws::{Guard, Laws};
 use crate::convention::Conventions;
 use crate::lens::arrays::forward;
 
@@ -113,8 +113,8 @@ const SCALE: [&str; 14] = [
     "sin(theta P) / r",
 ];
 
-/// What is done near the middle.
-const MIDDLE: [&str; 14] = [
+/// What is done near the middle; behind these, what keeps a divisor off 0.
+const MIDDLE: [&str; 8] = [
     "(x, y) where r = 0",
     "the formula where r = 0, too",
     "(x, y) where r < 1e-8",
@@ -123,24 +123,39 @@ const MIDDLE: [&str; 14] = [
     "(x, y) where r < 1e-2",
     "(0, 0) where r < 1e-6",
     "(0, 0) where r < 1e-3",
-    "1e-8 added to what is divided by",
-    "1e-6 added to what is divided by",
-    "1e-10 added to what is divided by",
-    "1e-12 added to what is divided by",
-    "what is divided by 1e-8 at least",
-    "what is divided by 1e-6 at least",
+];
+
+/// What keeps it off.
+const DIVISOR: [Guard; 6] = [
+    Guard::Plus(1e-8),
+    Guard::Plus(1e-6),
+    Guard::Plus(1e-10),
+    Guard::Plus(1e-12),
+    Guard::AtLeast(1e-8),
+    Guard::AtLeast(1e-6),
 ];
 
 /// Those of a fisheye.
 pub(crate) const OF_FISHEYES: Laws = Laws {
-    choices: &[RADIUS.len(), ANGLE.len(), Y.len(), READ.len(), POWERS.len(), MIDDLE.len(), SCALE.len()],
+    choices: &[
+        RADIUS.len(),
+        ANGLE.len(),
+        Y.len(),
+        READ.len(),
+        POWERS.len(),
+        MIDDLE.len() + DIVISOR.len(),
+        SCALE.len(),
+    ],
     says: |part, choice| match part {
         0 => format!("r = {}", RADIUS[choice]),
         1 => format!("theta = {}", ANGLE[choice]),
         2 => Y[choice].into(),
         3 => format!("coefficients {}", READ[choice].1),
         4 => format!("powers {}", POWERS[choice].1),
-        5 => MIDDLE[choice].into(),
+        5 => match MIDDLE.get(choice) {
+            Some(said) => (*said).into(),
+            None => format!("{} in the place of a divisor x", DIVISOR[choice - MIDDLE.len()].said("x")),
+        },
         _ => format!("(x', y') = {} (x, y) with P = 1 + k1 theta^2 + ...", SCALE[choice]),
     },
     of,
@@ -182,15 +197,7 @@ fn angle(r: f64, choice: usize) -> f64 {
 
 /// What is divided by, kept off 0.
 fn divisor(r: f64, choice: usize) -> f64 {
-    match choice {
-        8 => r + 1e-8,
-        9 => r + 1e-6,
-        10 => r + 1e-10,
-        11 => r + 1e-12,
-        12 => r.max(1e-8),
-        13 => r.max(1e-6),
-        _ => r,
-    }
+    choice.checked_sub(MIDDLE.len()).map_or(r, |n| DIVISOR[n].of(r))
 }
 
 /// What a coordinate is multiplied with, by these coefficients.

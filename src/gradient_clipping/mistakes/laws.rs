@@ -2,7 +2,7 @@
 
 use super::super::arrays::{self, by_norm, tensors};
 use crate::contract::arrays::{Arrays, input, number};
-use crate::contract::laws::Laws;
+use crate::contract::laws::{Guard, Laws};
 use crate::convention::Conventions;
 
 /// Whose norm shortens what.
@@ -32,18 +32,18 @@ const NORM: [&str; 13] = [
     "|sum of g|",
 ];
 
-/// What an eps does.
-const HELD: [&str; 10] = [
-    "norm, with the eps of the convention",
-    "norm + 1e-8",
-    "norm + 1e-12",
-    "norm + 1e-5",
-    "norm + 1e-10",
-    "norm + 1e-4",
-    "norm + 1e-3",
-    "norm + 1",
-    "sqrt(norm^2 + 1e-6)",
-    "sqrt(norm^2 + 1e-8)",
+/// What an eps does; the first is the convention's.
+const HELD: [Guard; 10] = [
+    Guard::Nothing,
+    Guard::Plus(1e-8),
+    Guard::Plus(1e-12),
+    Guard::Plus(1e-5),
+    Guard::Plus(1e-10),
+    Guard::Plus(1e-4),
+    Guard::Plus(1e-3),
+    Guard::Plus(1.0),
+    Guard::UnderRoot(1e-6),
+    Guard::UnderRoot(1e-8),
 ];
 
 /// When gradients are shortened.
@@ -78,7 +78,7 @@ pub(crate) const OF_NORMS: Laws = Laws {
     says: |part, choice| match part {
         0 => WHOSE[choice].into(),
         1 => format!("norm = {}", NORM[choice]),
-        2 => format!("{} in the place of norm", HELD[choice]),
+        2 => format!("{} in the place of norm", HELD[choice].said("norm")),
         3 => format!("shortened {}", WHEN[choice]),
         4 => format!("g' = {}", BY[choice]),
         _ => format!("{} returned for the norm", TOLD[choice]),
@@ -114,18 +114,7 @@ fn norm(tensors: &[&[f64]], choice: usize) -> f64 {
 
 /// What takes the place of the norm that is divided by.
 fn held(norm: f64, c: &Conventions, choice: usize) -> f64 {
-    match choice {
-        1 => norm + 1e-8,
-        2 => norm + 1e-12,
-        3 => norm + 1e-5,
-        4 => norm + 1e-10,
-        5 => norm + 1e-4,
-        6 => norm + 1e-3,
-        7 => norm + 1.0,
-        8 => (norm * norm + 1e-6).sqrt(),
-        9 => (norm * norm + 1e-8).sqrt(),
-        _ => norm + c.clip_eps.value(),
-    }
+    if choice == 0 { norm + c.clip_eps.value() } else { HELD[choice].of(norm) }
 }
 
 /// Numbers as they are clipped by a norm.

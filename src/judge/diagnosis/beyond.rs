@@ -79,6 +79,14 @@ pub(super) fn beyond(
     if !pairs.is_empty() {
         return ranked(pairs, question, answers, &home, options);
     }
+    let formula = formulas.as_ref().and_then(Search::most_cases);
+    let fewer = |e: &Explanation| {
+        let others = most.iter().filter(|most| most.wrong()).map(|most| most.unexplained_cases.len());
+        others.min().is_none_or(|others| e.unexplained_cases.len() < others)
+    };
+    if let Some(formula) = formula.filter(fewer) {
+        return vec![formula];
+    }
     if let Some(named) = most.clone().filter(|e| parted.is_none() && e.wrong()) {
         return vec![named];
     }

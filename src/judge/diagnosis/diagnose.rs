@@ -9,7 +9,8 @@ use super::beyond::beyond;
 use super::commoner::commoner;
 use super::effects::{Effects, Failing};
 use super::evidence::{
-    Explanation, Suspect, explains_all, forward_is_the_same, no_number_left, nothing_but_zero, shows,
+    Explanation, Suspect, explains_all, forward_is_the_same, no_number_left, nothing_but_zero, only_renames,
+    shows,
 };
 use super::fitted::fitting;
 use super::hypothesis::{Hypothesis, of_forward};
@@ -167,14 +168,17 @@ impl<'a> Diagnosis<'a> {
         let Diagnosis { question, answers, base, options, .. } = *self;
         let near = self.near(1);
         let mut found = self.explaining(1, &near);
+        // The right formula in other conventions, as far off as wrong code may be: it has lost digits.
+        let applied = self.applied(&near);
+        found.retain(|h| !only_renames(h, &applied, question, answers, options));
         if !found.is_empty() {
             found.extend(commoner(&found, question, answers, options));
-            return (self.unless_lost(found), vec![]);
+            return (self.unless_lost(found, &near), vec![]);
         }
         if !self.large && !nothing_but_zero(question, answers) {
-            let numbers = fitting(question, answers, base, &self.applied(&near), self.suspects, options);
+            let numbers = fitting(question, answers, base, &applied, self.suspects, options);
             if numbers.iter().any(Hypothesis::plain_numbers) {
-                return (self.unless_lost(numbers), vec![]);
+                return (self.unless_lost(numbers, &near), vec![]);
             }
             if !numbers.is_empty() {
                 return (vec![], numbers);
@@ -191,9 +195,9 @@ impl<'a> Diagnosis<'a> {
         (vec![lost_digits(lost, question, &self.home)], vec![])
     }
 
-    fn unless_lost(&self, found: Vec<Hypothesis>) -> Vec<Explanation> {
+    fn unless_lost(&self, found: Vec<Hypothesis>, near: &[&Partial]) -> Vec<Explanation> {
         let found = self.ranked(found);
-        let lost = rather_lost(&found, self.question, self.answers, self.base, self.options);
+        let lost = rather_lost(&found, near, self.question, self.answers, self.base, self.options);
         lost.map_or(found, |lost| vec![lost_digits(lost, self.question, &self.home)])
     }
 

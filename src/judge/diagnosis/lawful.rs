@@ -51,8 +51,8 @@ pub(super) fn lawful(
 /// A search among the formulas of a row.
 pub(super) struct Search<'a> {
     pub(super) question: &'a Question,
-    answers: &'a Answers,
-    base: &'a Conventions,
+    pub(super) answers: &'a Answers,
+    pub(super) base: &'a Conventions,
     pub(super) options: &'a MarkOptions,
     pub(super) laws: Laws,
     /// The cases, the smallest first.
@@ -60,7 +60,7 @@ pub(super) struct Search<'a> {
     /// The outputs that are answered anywhere.
     pub(super) outputs: BTreeSet<&'a str>,
     /// The conventions in which they are tried, each with the smallest case that the right formula doesn't explain in them.
-    nearby: Vec<(usize, Conventions)>,
+    pub(super) nearby: Vec<(usize, Conventions)>,
 }
 
 impl<'a> Search<'a> {
@@ -190,7 +190,7 @@ impl<'a> Search<'a> {
     }
 
     /// Those that explain all answers by more than one of so many that were `tried` would by chance.
-    fn proved(&self, near: Vec<(usize, Hypothesis)>, tried: usize) -> Vec<Explanation> {
+    pub(super) fn proved(&self, near: Vec<(usize, Hypothesis)>, tried: usize) -> Vec<Explanation> {
         let nearby: Vec<Conventions> = self.nearby.iter().map(|(_, c)| *c).collect();
         proved(near, by_chance(tried), &nearby, self.question, self.answers, self.base, self.options)
     }

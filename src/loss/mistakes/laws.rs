@@ -2,7 +2,7 @@
 
 use super::super::arrays::{peak, pictures, psnr};
 use crate::contract::arrays::{Arrays, arrays, scalar, values};
-use crate::contract::laws::Laws;
+use crate::contract::laws::{Guard, Laws};
 use crate::convention::{Conventions, PsnrFloor, PsnrOf};
 use crate::math::{ln, log10};
 
@@ -57,21 +57,22 @@ const ERROR: [&str; 13] = [
 ];
 
 /// What an eps does.
-const HELD: [&str; 13] = [
-    "e",
-    "e + 1e-8",
-    "e + 1e-10",
-    "e + 1e-7",
-    "e + 1e-6",
-    "e + 1e-12",
-    "max(e, 1e-8)",
-    "max(e, 1e-5)",
-    "max(e, 1e-6)",
-    "max(e, 1.1920929e-7)",
-    "(sqrt(e) + 1e-8)^2",
-    "what gives 100 decibels where e is 0",
-    "what gives 0 decibels where e is 0",
+const HELD: [Guard; 10] = [
+    Guard::Nothing,
+    Guard::Plus(1e-8),
+    Guard::Plus(1e-10),
+    Guard::Plus(1e-7),
+    Guard::Plus(1e-6),
+    Guard::Plus(1e-12),
+    Guard::AtLeast(1e-8),
+    Guard::AtLeast(1e-5),
+    Guard::AtLeast(1e-6),
+    Guard::AtLeast(1.192_092_9e-7),
 ];
+
+/// What else is done to it.
+const HELD_OTHERWISE: [&str; 3] =
+    ["(sqrt(e) + 1e-8)^2", "what gives 100 decibels where e is 0", "what gives 0 decibels where e is 0"];
 
 /// The peak.
 const PEAK: [&str; 8] = [
@@ -117,7 +118,7 @@ pub(crate) const OF_PSNR: Laws = Laws {
         COMPARED.len(),
         DIFFERENCE.len(),
         ERROR.len(),
-        HELD.len(),
+        HELD.len() + HELD_OTHERWISE.len(),
         PEAK.len(),
         LOGARITHM.len(),
         AVERAGED.len(),
@@ -126,7 +127,11 @@ pub(crate) const OF_PSNR: Laws = Laws {
         0 => format!("of {}, compared", COMPARED[choice]),
         1 => format!("d = {}", DIFFERENCE[choice]),
         2 => format!("e = {}", ERROR[choice]),
-        3 => format!("{} in the place of e", HELD[choice]),
+        3 => {
+            let otherwise = || HELD_OTHERWISE[choice - HELD.len()].into();
+            let held = HELD.get(choice).map_or_else(otherwise, |guard| guard.said("e"));
+            format!("{held} in the place of e")
+        }
         4 => format!("peak = {}", PEAK[choice]),
         5 => LOGARITHM[choice].into(),
         _ => AVERAGED[choice].into(),
@@ -217,18 +222,10 @@ fn error(d: &[f64], of_pixel: usize, choice: usize) -> f64 {
 }
 
 fn held(e: f64, choice: usize) -> f64 {
-    match choice {
-        1 => e + 1e-8,
-        2 => e + 1e-10,
-        3 => e + 1e-7,
-        4 => e + 1e-6,
-        5 => e + 1e-12,
-        6 => e.max(1e-8),
-        7 => e.max(1e-5),
-        8 => e.max(1e-6),
-        9 => e.max(1.192_092_9e-7),
-        10 => (e.sqrt() + 1e-8) * (e.sqrt() + 1e-8),
-        _ => e,
+    match HELD.get(choice) {
+        Some(guard) => guard.of(e),
+        None if choice == HELD.len() => (e.sqrt() + 1e-8) * (e.sqrt() + 1e-8),
+        None => e,
     }
 }
 

@@ -5,28 +5,29 @@ use glam::{DMat3, DMat4, DVec3};
 use super::super::arrays::{form, rows, se3, so3};
 use super::super::{Twist, halves, laid, se3_exp, so3_exp};
 use crate::camera::arrays::flat;
-use crate::contract::laws::Laws;
+use crate::contract::laws::{Guard, Laws};
 use crate::convention::{RotationClamp, TwistTranslation};
 use crate::math::{cos, sin};
 
-/// What w is divided by for the axis u.
-const AXIS: [&str; 15] = [
-    "|w|",
-    "|w| + 1e-10",
-    "|w| + 1e-8",
-    "|w| + 1e-7",
-    "|w| + 1e-6",
-    "|w| + 1e-4",
-    "max(|w|, 1e-7)",
-    "max(|w|, 1e-6)",
-    "max(|w|, 1e-4)",
-    "sqrt(|w|^2 + 1e-8)",
-    "sqrt(|w|^2 + 1e-12)",
-    "sqrt(|w|^2 + 1e-16)",
-    "|w| + 1e-5",
-    "1",
-    "|w|^2",
+/// What w is divided by for the axis u; behind these, 1 and |w|^2.
+const AXIS: [Guard; 13] = [
+    Guard::Nothing,
+    Guard::Plus(1e-10),
+    Guard::Plus(1e-8),
+    Guard::Plus(1e-7),
+    Guard::Plus(1e-6),
+    Guard::Plus(1e-4),
+    Guard::AtLeast(1e-7),
+    Guard::AtLeast(1e-6),
+    Guard::AtLeast(1e-4),
+    Guard::UnderRoot(1e-8),
+    Guard::UnderRoot(1e-12),
+    Guard::UnderRoot(1e-16),
+    Guard::Plus(1e-5),
 ];
+
+/// How many choices there are.
+const AXES: usize = AXIS.len() + 2;
 
 /// The angle.
 const ANGLE: [&str; 9] =
@@ -115,7 +116,7 @@ const SMALLS: usize = 2 + SMALL.len() * LIMIT.len();
 
 /// Those of rotation vectors.
 pub(crate) const OF_ROTATIONS: Laws = Laws {
-    choices: &[AXIS.len(), ANGLE.len(), SMALLS, FIRST.len(), SECOND.len(), WHOLE.len()],
+    choices: &[AXES, ANGLE.len(), SMALLS, FIRST.len(), SECOND.len(), WHOLE.len()],
     says,
     of: |a, c, law| so3(a, |w| rows(&rotation(w, c.rotation_clamp, law))),
     rounding: &[],
@@ -124,7 +125,7 @@ pub(crate) const OF_ROTATIONS: Laws = Laws {
 /// Those of twists.
 pub(crate) const OF_TWISTS: Laws = Laws {
     choices: &[
-        AXIS.len(),
+        AXES,
         ANGLE.len(),
         SMALLS,
         FIRST.len(),
@@ -148,7 +149,10 @@ fn says(part: usize, choice: usize) -> String {
         }
     };
     match part {
-        0 => format!("u = w / ({})", AXIS[choice]),
+        0 => {
+            let other = || if choice == AXIS.len() { "1".into() } else { "|w|^2".into() };
+            format!("u = w / ({})", AXIS.get(choice).map_or_else(other, |guard| guard.said("|w|")))
+        }
         1 => format!("theta = {}", ANGLE[choice]),
         2 => small("R"),
         3 => format!("({}) U in R, U = [u]_x", FIRST[choice]),
@@ -174,22 +178,10 @@ fn outer(v: DVec3) -> DMat3 {
 }
 
 fn divisor(length: f64, choice: usize) -> f64 {
-    match choice {
-        1 => length + 1e-10,
-        2 => length + 1e-8,
-        3 => length + 1e-7,
-        4 => length + 1e-6,
-        5 => length + 1e-4,
-        6 => length.max(1e-7),
-        7 => length.max(1e-6),
-        8 => length.max(1e-4),
-        9 => (length * length + 1e-8).sqrt(),
-        10 => (length * length + 1e-12).sqrt(),
-        11 => (length * length + 1e-16).sqrt(),
-        12 => length + 1e-5,
-        13 => 1.0,
-        14 => length * length,
-        _ => length,
+    match AXIS.get(choice) {
+        Some(guard) => guard.of(length),
+        None if choice == AXIS.len() => 1.0,
+        None => length * length,
     }
 }
 

@@ -337,14 +337,6 @@ pub(super) const FAINT_SKIPPED: Mistake = Mistake::new(
     0,
 )
 .with("k", 0.003_921_568_627_450_98, [1e-7, 0.2]);
-pub(super) const LAST_OPAQUE: Mistake = Mistake::new(
-    "last_sample_opaque",
-    "the last alpha is 1, whatever its density",
-    "every ray ends in its last color, and none sees a background",
-    "alpha = 1 - exp(-sigma delta), or a last step of 1e10",
-    "never; cheap to keep",
-    0,
-);
 pub(super) const HEAVIEST: Mistake = Mistake::new(
     "opacity_of_the_heaviest",
     "A = max w_i",

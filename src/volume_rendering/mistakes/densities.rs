@@ -1,5 +1,6 @@
 //! Rendering from densities, wrong on purpose.
 
+use super::super::arrays::closed;
 use super::catalogue::{DENSITY_CAPPED, EPS_ON_ALPHA, SCALED_EXPONENTIAL};
 use super::march::{DEPTH_HELD, DIVISION_GUARDED, THIN_SKIPPED, unless_thin};
 use super::other_alphas::{other_alphas, softmax};
@@ -28,6 +29,7 @@ pub(crate) fn rounds_alpha(a: &mut Arrays, relative: f64, draw: &mut Draw) {
 
 /// Rendering from densities.
 pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let a = &closed(a, c);
     let (count, samples) = size(a, "sigmas");
     let (mut all, mut rays, mut carried) = (vec![], vec![], 1.0);
     for r in 0..count {

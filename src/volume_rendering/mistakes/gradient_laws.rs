@@ -1,6 +1,6 @@
 //! Laws of hand-written backward passes: what sample i gains by itself, what it hides, what both are multiplied with, and what colors get.
 
-use super::super::arrays::{self, cotangent_over, gradients_of_counted, gradients_of_rectified};
+use super::super::arrays::{self, closed, cotangent_over, gradients_of_counted, gradients_of_densities};
 use super::super::{Rendering, optical_depths, volume_render, volume_render_alpha};
 use super::march_laws::{END, end_said, ended};
 use crate::contract::arrays::{Arrays, array, arrays as named, row, rows3, size};
@@ -183,6 +183,7 @@ impl<'a> Back<'a> {
 }
 
 fn of_densities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
+    let a = &closed(a, c);
     let (count, n) = size(a, "sigmas");
     let (mut g_sigmas, mut g_rgbs, mut g_deltas) = (vec![], vec![], vec![]);
     for r in 0..count {
@@ -231,7 +232,7 @@ fn of_densities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
         ("grad_rgbs", array(&[count, n, 3], g_rgbs)),
         ("grad_deltas", array(&[count, n], g_deltas)),
     ]);
-    gradients_of_rectified(a, c, gradients)
+    gradients_of_densities(a, c, gradients)
 }
 
 fn of_opacities(given: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {

@@ -126,6 +126,7 @@ fn wrong_colors(a: &Arrays, r: usize, ray: &Rendering, c: &Conventions, wrong: &
 pub(crate) fn volume_render_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let mut gradients = arrays::render_vjp(a, c);
     if OF_DENSITIES.iter().any(|m| m.among(wrong).is_some()) {
+        let a = &arrays::closed(a, c);
         let (rays, samples) = size(a, "sigmas");
         let (mut g_sigmas, mut g_deltas, mut g_rgbs) = (vec![], vec![], vec![]);
         for r in 0..rays {
@@ -161,7 +162,7 @@ pub(crate) fn volume_render_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> 
         gradients.insert("grad_sigmas".into(), array(&[rays, samples], g_sigmas));
         gradients.insert("grad_deltas".into(), array(&[rays, samples], g_deltas));
         gradients.insert("grad_rgbs".into(), array(&[rays, samples, 3], g_rgbs));
-        gradients = arrays::gradients_of_rectified(a, c, gradients);
+        gradients = arrays::gradients_of_densities(a, c, gradients);
         if let Some(scale) = number_of("loss_scale_left_in", OF_DENSITIES, wrong) {
             gradients.values_mut().for_each(|g| g.mapv_inplace(|g| scale * g));
         }

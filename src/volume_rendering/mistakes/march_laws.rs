@@ -1,6 +1,7 @@
 //! Laws of a march: what stands for an opacity, which samples are skipped, where the march ends, and what counts as nothing at all.
 
 use super::densities::softplus;
+use crate::contract::laws::{Guard, written};
 use crate::math::{exp, expm1};
 
 /// What stands for the opacity of a density.
@@ -38,20 +39,33 @@ pub(super) const OF_OPACITY: [&str; 11] = [
 ];
 
 /// What stands for a step.
-pub(super) const STEPS: [&str; 12] = [
+const STEPS: [&str; 5] = [
     "t_{i+1} - t_i",
     "(t_{i+1} - t_{i-1}) / 2, t_1 - t_0 for the first",
     "t_i - t_{i-1}, 0 for the first",
     "t_i - t_{i-1}, 1e10 for the first",
     "t_i - t_{i-1}, 1e6 for the first",
-    "t_{i+1} - t_i, at least 1e-6",
-    "t_{i+1} - t_i, at least 1e-5",
-    "t_{i+1} - t_i, at least 1e-3",
-    "t_{i+1} - t_i + 1e-10",
-    "t_{i+1} - t_i + 1e-8",
-    "t_{i+1} - t_i + 1e-6",
-    "t_{i+1} - t_i + 1e-5",
 ];
+
+/// What keeps it off 0.
+const HELD_STEPS: [Guard; 7] = [
+    Guard::AtLeast(1e-6),
+    Guard::AtLeast(1e-5),
+    Guard::AtLeast(1e-3),
+    Guard::Plus(1e-10),
+    Guard::Plus(1e-8),
+    Guard::Plus(1e-6),
+    Guard::Plus(1e-5),
+];
+
+/// How many there are.
+pub(super) const STEP_CHOICES: usize = STEPS.len() + HELD_STEPS.len();
+
+/// What is said of a step.
+pub(super) fn step_said(choice: usize) -> String {
+    let held = || HELD_STEPS[choice - STEPS.len()].said(STEPS[0]);
+    STEPS.get(choice).map_or_else(held, |said| (*said).into())
+}
 
 /// What stands for a density.
 pub(super) const DENSITY: [&str; 6] = [
@@ -97,14 +111,9 @@ pub(super) const SEEN: [f64; 5] = [f64::NEG_INFINITY, 0.01, 1e-3, 1e-4, 0.1];
 /// What is said of an end.
 pub(super) fn end_said(choice: usize) -> String {
     match END[choice] {
-        (least, 0) => format!("an end in front of a sample where T < {}", threshold(least)),
-        (least, _) => format!("an end in front of the sample that brings T below {}", threshold(least)),
+        (least, 0) => format!("an end in front of a sample where T < {}", written(least)),
+        (least, _) => format!("an end in front of the sample that brings T below {}", written(least)),
     }
-}
-
-/// A threshold as one writes it.
-pub(super) fn threshold(x: f64) -> String {
-    if x < 0.01 { format!("{x:e}") } else { x.to_string() }
 }
 
 /// What that choice makes of a density and its optical depth; `alpha` is the right one.
@@ -133,8 +142,7 @@ pub(super) fn stepped(deltas: Vec<f64>, choice: usize) -> Vec<f64> {
         0 => *delta,
         1 => 0.5 * (before(i).unwrap_or(*delta) + delta),
         2..=4 => before(i).unwrap_or([0.0, 1e10, 1e6][choice - 2]),
-        5..=7 => delta.max([1e-6, 1e-5, 1e-3][choice - 5]),
-        _ => delta + [1e-10, 1e-8, 1e-6, 1e-5][choice - 8],
+        _ => HELD_STEPS[choice - STEPS.len()].of(*delta),
     };
     deltas.iter().enumerate().map(of).collect()
 }

@@ -1,6 +1,6 @@
 //! Other laws than the exponential's.
 
-use super::catalogue::{ALPHAS_CAPPED, FAINT_SKIPPED, LAST_OPAQUE};
+use super::catalogue::{ALPHAS_CAPPED, FAINT_SKIPPED};
 use super::march::ALPHAS_SCALED;
 use crate::math::{exp, expm1};
 use crate::volume_rendering::optical_depths;
@@ -17,10 +17,6 @@ pub(super) fn other_alphas(sigmas: &[f64], deltas: &[f64], wrong: &[&str]) -> Op
     }
     if let Some(least) = FAINT_SKIPPED.among(wrong) {
         return Some(right().map(|alpha| if alpha < least { 0.0 } else { alpha }).collect());
-    }
-    if wrong.contains(&LAST_OPAQUE.name) {
-        let last = depths.len().saturating_sub(1);
-        return Some(right().enumerate().map(|(i, alpha)| if i == last { 1.0 } else { alpha }).collect());
     }
     if wrong.contains(&"delta_outside") {
         let alpha = |(sigma, delta): (&f64, &f64)| 1.0 - exp(-sigma) * delta;

@@ -1,16 +1,16 @@
 //! Laws of volume rendering: what may stand for T_i and for alpha_i in w_i = T_i alpha_i, what is made of the weights, and how one marches.
 
-use super::super::arrays::{over, renderings};
+use super::super::arrays::{closed, counted, over, renderings};
 use super::super::{Rendering, optical_depths, volume_render, volume_render_alpha};
 use super::ALPHA_ERROR;
 use super::march::unless_thin;
 use super::march_laws::{
-    DENSITY, END, OF_DENSITY, OF_OPACITY, SEEN, STEPS, THIN, end_said, ended, of_density, of_opacity,
-    other_densities, stepped, threshold,
+    DENSITY, END, OF_DENSITY, OF_OPACITY, SEEN, STEP_CHOICES, THIN, end_said, ended, of_density, of_opacity,
+    other_densities, step_said, stepped,
 };
 use super::other_alphas::softmax;
 use crate::contract::arrays::{Arrays, row, rows3, size};
-use crate::contract::laws::Laws;
+use crate::contract::laws::{Laws, written};
 use crate::convention::Conventions;
 use crate::math::{exp, expm1};
 
@@ -122,12 +122,12 @@ pub(crate) const OF_DENSITIES: Laws = Laws {
         THIN.len(),
         END.len(),
         BEHIND.len(),
-        STEPS.len(),
+        STEP_CHOICES,
         DENSITY.len(),
     ],
     says: |part, choice| match part {
         5 => format!("alpha_i = {}", OF_DENSITY[choice]),
-        9 => format!("delta_i = {}", STEPS[choice]),
+        9 => format!("delta_i = {}", step_said(choice)),
         10 => format!("{} for sigma_i", DENSITY[choice]),
         _ => says(part, choice),
     },
@@ -171,8 +171,8 @@ fn says(part: usize, choice: usize) -> String {
         ),
         2 => format!("C = {}", COLOR[choice]),
         3 => format!("A = {}", OPACITY[choice]),
-        4 => format!("C = 0 and A = 0 where A < {}", threshold(SEEN[choice])),
-        6 => format!("density 0 where sigma <= {}", threshold(THIN[choice])),
+        4 => format!("C = 0 and A = 0 where A < {}", written(SEEN[choice])),
+        6 => format!("density 0 where sigma <= {}", written(THIN[choice])),
         7 => end_said(choice),
         _ => format!("transmittance behind all = {}", BEHIND[choice]),
     }
@@ -336,6 +336,7 @@ fn opacity(samples: &[Sample], weights: &[f64], behind: f64, choice: usize) -> f
 }
 
 fn of_densities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
+    let a = &closed(a, c);
     let (count, n) = size(a, "sigmas");
     let one = |r: usize| {
         let rgbs = rows3(a, "rgbs", r);
@@ -362,7 +363,7 @@ fn of_densities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
 }
 
 fn of_opacities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
-    let a = &super::super::arrays::counted(a, c);
+    let a = &counted(a, c);
     let (count, n) = size(a, "alphas");
     let one = |r: usize| {
         let (mut alphas, rgbs) = (row(a, "alphas", r), rows3(a, "rgbs", r));

@@ -13,7 +13,7 @@ def test_right_code_passes_and_says_what_it_followed():
     assert report.passed and report, report
     row = report["volume_render"]
     assert row is report["volume_render", "forward"] and row.verdict == "pass" and row.cases == row.answered > 20
-    assert row.missing_outputs == ["opacity", "transmittance"] and row.conventions == {"product_eps": "none", "backdrop": "none", "sigma_relu": "none", "opacity_sum": "all"}
+    assert row.missing_outputs == ["opacity", "transmittance"] and row.conventions == {"product_eps": "none", "backdrop": "none", "sigma_relu": "none", "opacity_sum": "all", "last_sample": "as_it_is"}
     assert "CONVENTIONS FOUND: cs180   (answers in f32)" in str(report) and report.profile == "cs180"
     assert report.notes and all(note in str(report) for note in report.notes)
 
@@ -48,7 +48,7 @@ def test_a_pinned_profile_fails_what_deviates():
         return ((front * alpha)[..., None] * rgbs).sum(1)
 
     found = no.judge(volume_render=with_eps, dtype="f64")
-    assert found.passed and found["volume_render"].conventions == {"product_eps": "1e-7", "backdrop": "none", "sigma_relu": "none", "opacity_sum": "all"}, found
+    assert found.passed and found["volume_render"].conventions == {"product_eps": "1e-7", "backdrop": "none", "sigma_relu": "none", "opacity_sum": "all", "last_sample": "as_it_is"}, found
     assert not no.judge(volume_render=with_eps, dtype="f64", profile="cs180").passed
 
 
