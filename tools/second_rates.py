@@ -95,7 +95,7 @@ def clip_by_global_norm(a, c, wrong):
     """Divided by what the norm is of the limit, where that is more than 1."""
     weights, bias = a["g_weights"], a["g_bias"]
     kind, most = weights.dtype.type, float(a["max_norm"])
-    eps = {"none": 0.0, "1e-7": 1e-7, "float32": 2.0**-23, "1e-6": 1e-6}[c["clip_eps"]]
+    eps = {"none": 0.0, "1e-8": 1e-8, "1e-7": 1e-7, "float32": 2.0**-23, "1e-6": 1e-6}[c["clip_eps"]]
     every = weights.reshape(-1) if "bias_left_out" in wrong else np.concatenate([weights.reshape(-1), bias])
     norm = norm_of(every, wrong)
 

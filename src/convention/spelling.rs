@@ -105,7 +105,7 @@ pub const CHOICES: &[(&str, &[&str])] = &[
     ("bytes", &["round", "truncate"]),
     ("adam_eps", &["corrected", "uncorrected"]),
     ("adam_zero", &["stepped", "left"]),
-    ("clip_eps", &["none", "1e-7", "float32", "1e-6"]),
+    ("clip_eps", &["none", "1e-8", "1e-7", "float32", "1e-6"]),
     ("rate_end", &["goes_on", "held"]),
     ("rate_delay", &["beside", "before"]),
     ("rate_ramp", &["sine", "linear"]),

@@ -42,6 +42,9 @@ pub enum ClipEps {
     /// Nothing (Pascanu et al. 2013, optax, TensorFlow).
     #[default]
     None,
+    /// 1e-8.
+    #[serde(rename = "1e-8")]
+    TenToMinusEight,
     /// 1e-7 (jaxnerf).
     #[serde(rename = "1e-7")]
     TenToMinusSeven,
@@ -57,6 +60,7 @@ impl ClipEps {
     pub fn value(self) -> f64 {
         match self {
             ClipEps::None => 0.0,
+            ClipEps::TenToMinusEight => 1e-8,
             ClipEps::TenToMinusSeven => 1e-7,
             ClipEps::Float32 => f64::from(f32::EPSILON),
             ClipEps::TenToMinusSix => 1e-6,

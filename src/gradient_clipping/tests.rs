@@ -5,7 +5,13 @@ use proptest::prelude::*;
 use super::*;
 use crate::contract::testing::properties;
 
-const EPS: [ClipEps; 4] = [ClipEps::None, ClipEps::TenToMinusSeven, ClipEps::Float32, ClipEps::TenToMinusSix];
+const EPS: [ClipEps; 5] = [
+    ClipEps::None,
+    ClipEps::TenToMinusEight,
+    ClipEps::TenToMinusSeven,
+    ClipEps::Float32,
+    ClipEps::TenToMinusSix,
+];
 
 fn length(numbers: &[f64]) -> f64 {
     numbers.iter().map(|g| g * g).sum::<f64>().sqrt()

@@ -67,8 +67,8 @@ fn left_out(question: &Question, answers: &Answers) -> Vec<Option<String>> {
     question.cases.iter().map(why).collect()
 }
 
-/// Whether a candidate answers to one length of an axis alone: on others that are asked it crashes, or takes of longer ones what it can, and
-/// gives arrays that have no convention's shape.
+/// Whether a candidate answers to one length of an axis alone: on others that are asked it crashes, or says nothing, or takes of longer
+/// ones what it can, and gives arrays that have no convention's shape.
 fn takes_only(question: &Question, answers: &Answers) -> Option<()> {
     let only = question.component.special.only?;
     let (fitting, others): (Vec<_>, Vec<_>) =
@@ -77,7 +77,8 @@ fn takes_only(question: &Question, answers: &Answers) -> Option<()> {
     let crashed = others.iter().any(|asked| !answered(asked));
     let taken = |(case, answer): &(&Case, &Option<Answer>)| {
         let longer = length(case, &only) > only.length;
-        answer.as_ref().is_some_and(|answer| !longer || fits_in_any(question, case, answer))
+        let said = |answer: &Answer| answer.values().any(|given| !given.values.is_empty());
+        answer.as_ref().is_some_and(|answer| said(answer) && (!longer || fits_in_any(question, case, answer)))
     };
     (crashed && !others.iter().any(taken) && fitting.iter().any(answered)).then_some(())
 }

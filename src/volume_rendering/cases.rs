@@ -169,6 +169,17 @@ pub(crate) fn volume_render() -> Vec<Case> {
         gray(8),
         deltas,
     ));
+    // Optical depths of 1/512, 1/2, 1, 1/4, nearly 0 and 4; and three times 1/512.
+    let sigmas = [-19, -11, -10, -12, -60, -8, -19, -19, -19, -60, -60, -60].map(|n| libm::ldexp(1.0, n));
+    cases.push(Case::new(
+        "haze_of_long_steps",
+        "densities below a thousandth that hide nearly all, and faint weights: who skips by one isn't who skips by the other",
+        vec![
+            ("sigmas", array(&[2, 6], sigmas.to_vec())),
+            ("rgbs", Draw::new("volume_render", 101).array(&[2, 6, 3], 0.25, 1.0)),
+            ("deltas", array(&[2, 6], vec![1024.0; 12])),
+        ],
+    ));
     let sigmas = SUNS.iter().flat_map(|&e| [0.6875 * f64::from(e), 0.75, 0.5]).collect();
     cases.push(Case::new(
         "suns_behind_haze",

@@ -83,7 +83,7 @@ pub(super) const JACOBIAN: [&str; 10] = [
 ];
 
 /// How far beside the picture it is taken.
-pub(super) const HELD: [&str; 12] = [
+pub(super) const HELD: [&str; 13] = [
     "what it is by convention",
     "nothing",
     "1.3 of the half picture on either side",
@@ -96,6 +96,7 @@ pub(super) const HELD: [&str; 12] = [
     "z in x/z and y/z of J held to 1.3 W/(2 fx) and 1.3 H/(2 fy) on either side",
     "1.3 max(cx, W - cx) / fx and 1.3 max(cy, H - cy) / fy on either side",
     "1.3 times the tangent of the whole angle",
+    "1.3 fx / z and 1.3 fy / z on either side",
 ];
 
 /// What is added to the variances.

@@ -100,6 +100,7 @@ fn slopes(t: [f64; 3], view: &View, form: Form, choice: usize) -> [f64; 2] {
             8 => [-0.65 * view.width / f, 0.65 * view.width / f],
             10 => [-1.3 * center.max(size - center) / f, 1.3 * center.max(size - center) / f],
             11 => [-2.6 * half / (1.0 - half * half), 2.6 * half / (1.0 - half * half)],
+            12 => [-1.3 * f / t[2], 1.3 * f / t[2]],
             _ => [-1.3 * half, 1.3 * half],
         };
         if choice == 9 { t[n] / t[2].max(low).min(high) } else { (t[n] / t[2]).max(low).min(high) }

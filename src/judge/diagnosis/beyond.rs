@@ -69,6 +69,10 @@ pub(super) fn beyond(
     if !several.is_empty() {
         return ranked(several, question, answers, &home, options);
     }
+    let climbed = formulas.as_ref().map_or(vec![], Search::climbed);
+    if !climbed.is_empty() {
+        return climbed;
+    }
     // All but edge cases.
     if !laws.is_empty() {
         return laws;

@@ -6,7 +6,7 @@ use super::super::assignment::small_cases;
 use super::super::exam::Question;
 use super::super::mark::MarkOptions;
 use super::super::partial::{Partial, apply, partial, with};
-use super::evidence::{explains_all, real_numbers, shows};
+use super::evidence::{explains_all, only_renames, real_numbers, shows};
 use super::fitted::{with_its_number, written};
 use super::hypothesis::Hypothesis;
 use super::nearness::{distance, likely};
@@ -70,6 +70,8 @@ pub(crate) fn climbed(
     };
     let fits =
         |h: &Hypothesis| explains_all(h, question, answers, options) && shows(h, question, answers, options);
+    // What the right formula says in other conventions is no mistake.
+    let own = |h: &Hypothesis| !h.right() && !only_renames(h, &[*base], question, answers, options);
     let starts = likely(STARTS, (question, answers), base, options).into_iter();
     let mut ways = measured(starts.map(|c| Hypothesis::new(vec![], c)).collect());
     best(&mut ways);
@@ -84,7 +86,7 @@ pub(crate) fn climbed(
         let tried = parallel::map(next.len(), |n| {
             near(&next[n]).or_else(|| (n < FITTED).then(|| numbered(&next[n].h, question, answers, &fits))?)
         });
-        let found: Vec<Hypothesis> = tried.into_iter().flatten().filter(|h| !h.right()).collect();
+        let found: Vec<Hypothesis> = tried.into_iter().flatten().filter(own).collect();
         if !found.is_empty() {
             let mut least: Vec<Hypothesis> = vec![];
             for h in found.into_iter().map(|h| needed(h, question, base, &fits)) {

@@ -13,7 +13,7 @@ use super::slips::slip::Slip;
 use super::telling::repeats;
 use crate::contract::case::Case;
 use crate::contract::component::Mistake;
-use crate::convention::Conventions;
+use crate::convention::{CHOICES, Conventions};
 
 /// Mistakes that the forward answers showed, with the number in them where it isn't the usual one.
 pub(crate) type Suspect = (Vec<&'static str>, Vec<f64>);
@@ -161,7 +161,7 @@ pub(crate) fn shows(h: &Hypothesis, question: &Question, answers: &Answers, opti
     lost.most > 1.0 && nearer || MUCH_BETTER * wrong.most < lost.most || repeats(h, question, &cases, options)
 }
 
-/// Whether the right formula gives the same in other conventions: a scale of 1/2 where the frequencies are those of 2 pi.
+/// Whether the right formula gives the same in other conventions, or in those next to these: a scale of 1/2 where the frequencies are those of 2 pi.
 pub(crate) fn only_renames(
     h: &Hypothesis,
     others: &[Conventions],
@@ -173,7 +173,10 @@ pub(crate) fn only_renames(
         let right = Hypothesis::new(vec![], *c);
         usable(h, question, answers).iter().all(|(case, _)| right.same_as(h, question, case, options))
     };
-    others.iter().any(same)
+    let keys = CHOICES.iter().filter(|(key, _)| question.component.conventions.contains(key));
+    let next =
+        keys.flat_map(|(key, values)| values.iter().filter_map(|value| h.conventions.with(key, value).ok()));
+    others.iter().copied().chain(next.filter(|c| question.admits(c))).any(|c| same(&c))
 }
 
 /// Whether the right formula gives the same in both, up to rounding, on the inputs of all cases.

@@ -90,3 +90,37 @@ impl<'a> Search<'a> {
         found.into_iter().next().map(|e| Explanation { unexplained_cases: of(false), ..e })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::answer::{Answers, given};
+    use super::super::super::exam::Exam;
+    use super::super::super::mark::MarkOptions;
+    use super::*;
+    use crate::contract::arithmetic::Dtype;
+    use crate::convention::CS180;
+
+    /// The last of another formula's cases are off by something else.
+    fn found(others: usize) -> Option<Explanation> {
+        let exam = Exam::new("volume_render", Dtype::F32, None).unwrap();
+        let (question, options) = (&exam.questions[0], MarkOptions { dtype: Dtype::F32, exp_ulp: 4.0 });
+        let laws = question.component.special.laws_of(true).unwrap();
+        let law: Vec<usize> = (0..laws.choices.len()).map(|part| if part == 1 { 5 } else { 0 }).collect();
+        let usual = question.cases.len() - others;
+        let answer = |(n, case): (usize, &Case)| {
+            let off = if n < usual { 1.0 } else { 1.01 };
+            let all = (laws.of)(&case.inputs, &CS180, &law).into_iter();
+            Some(given(all.map(|(name, a)| (name, a.mapv(|x| Dtype::F32.round(off * x)))).collect()))
+        };
+        let answers: Answers = question.cases.iter().enumerate().map(answer).collect();
+        Search::new(question, &answers, &CS180, &options)?.most_cases()
+    }
+
+    #[test]
+    fn other_cases_are_told() {
+        let some = found(3).expect("most cases are explained");
+        assert!(some.slip.is_some_and(|slip| slip.says().contains("sigma_i delta_i")));
+        assert_eq!(some.unexplained_cases.len(), 3);
+        assert!(found(20).is_none(), "these are too many");
+    }
+}

@@ -36,6 +36,7 @@ mod beyond;
 mod by_outputs;
 pub(crate) mod imprecise;
 mod lawful;
+mod lawful_climb;
 mod lawful_mostly;
 pub(crate) mod slips;
 

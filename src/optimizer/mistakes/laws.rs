@@ -95,7 +95,7 @@ const DECAY: [&str; 17] = [
 ];
 
 /// What the parameter loses.
-const STEP: [&str; 14] = [
+const STEP: [&str; 15] = [
     "lr m' / (sqrt(v') + eps)",
     "-lr in the place of lr",
     "lr^2 in the place of lr",
@@ -110,6 +110,7 @@ const STEP: [&str; 14] = [
     "max(v, v') in the place of v' (AMSGrad)",
     "m in the place of m'",
     "v in the place of v'",
+    "lr / 10 in the place of lr",
 ];
 
 /// What is corrected by c1 = 1 - beta1^t and c2 = 1 - beta2^t.
@@ -161,7 +162,10 @@ const ROOT: [&str; 11] = [
     "1",
 ];
 
-const PARTS: usize = 10;
+/// What is handed out for the means.
+const KEPT: [&str; 4] = ["m' and v'", "m and v, as they came", "m' and v", "m and v'"];
+
+const PARTS: usize = 11;
 
 const CHOICES: [usize; PARTS] = [
     GRADIENT.len(),
@@ -174,6 +178,7 @@ const CHOICES: [usize; PARTS] = [
     CORRECTION.len(),
     EPS.len(),
     ROOT.len(),
+    KEPT.len(),
 ];
 
 /// Those of Adam.
@@ -215,7 +220,8 @@ fn says(part: usize, choice: usize) -> String {
         6 => CORRECTED[choice].into(),
         7 => format!("{} in the place of 1 - beta^t", CORRECTION[choice]),
         8 => format!("eps = {:e}, whatever it is", EPS[choice]),
-        _ => format!("m' divided by {}", ROOT[choice]),
+        9 => format!("m' divided by {}", ROOT[choice]),
+        _ => format!("{} kept", KEPT[choice]),
     }
 }
 
@@ -254,6 +260,8 @@ fn stepped(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
         let after = p - rate * upper / root;
         let param = after - taken_off(&adam, [p, after, g], rate * by2 / by1, law[4]);
         let (m, v) = if law[6] == 9 { (m / c1, v / c2) } else { (m, v) };
+        let m = if matches!(law[10], 1 | 3) { before.m } else { m };
+        let v = if matches!(law[10], 1 | 2) { before.v } else { v };
         Moments { param, m, v }
     })
 }

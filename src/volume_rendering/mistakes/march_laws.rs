@@ -1,6 +1,7 @@
 //! Laws of a march: what stands for an opacity, which samples are skipped, where the march ends, and what counts as nothing at all.
 
 use super::densities::softplus;
+use super::march::unless_thin;
 use crate::contract::laws::{Guard, written};
 use crate::math::{exp, expm1};
 
@@ -78,7 +79,40 @@ pub(super) const DENSITY: [&str; 6] = [
 ];
 
 /// The densities of samples that are skipped.
-pub(super) const THIN: [f64; 7] = [f64::NEG_INFINITY, 0.01, 1e-3, 1e-4, 1e-5, 0.1, 1.0];
+const THIN: [f64; 7] = [f64::NEG_INFINITY, 0.01, 1e-3, 1e-4, 1e-5, 0.1, 1.0];
+
+/// The weights of samples that are skipped.
+const FAINT: [f64; 4] = [1e-4, 1e-3, 0.01, 1e-5];
+
+/// How many choices there are of what is skipped.
+pub(super) const SKIPPED: usize = THIN.len() + FAINT.len();
+
+/// What is said of them.
+pub(super) fn skipped_said(choice: usize) -> String {
+    match THIN.get(choice) {
+        Some(least) => format!("density 0 where sigma <= {}", written(*least)),
+        None => format!("opacity 0 where T_i alpha_i < {}", written(FAINT[choice - THIN.len()])),
+    }
+}
+
+/// The densities without those that are skipped by themselves.
+pub(super) fn without_thin(sigmas: &mut [f64], choice: usize) {
+    let least = THIN.get(choice).copied().unwrap_or(f64::NEG_INFINITY);
+    sigmas.iter_mut().for_each(|sigma| *sigma = unless_thin(*sigma, least));
+}
+
+/// The opacities without those that are skipped by their weights; whether there are such.
+pub(super) fn without_faint(alphas: &mut [f64], choice: usize) -> bool {
+    let Some(faint) = choice.checked_sub(THIN.len()) else { return false };
+    let mut light = 1.0;
+    for alpha in alphas {
+        if light * *alpha < FAINT[faint] {
+            *alpha = 0.0;
+        }
+        light *= 1.0 - *alpha;
+    }
+    true
+}
 
 /// Where the march ends, and what comes behind isn't there: in front of a sample where less light than that is left, or (1) in front of the
 /// one that leaves less. It is the same whether a program asks in front of a sample or behind the one before.

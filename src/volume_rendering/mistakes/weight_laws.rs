@@ -3,10 +3,9 @@
 use super::super::arrays::{closed, counted, over, renderings};
 use super::super::{Rendering, optical_depths, volume_render, volume_render_alpha};
 use super::ALPHA_ERROR;
-use super::march::unless_thin;
 use super::march_laws::{
-    DENSITY, END, OF_DENSITY, OF_OPACITY, SEEN, STEP_CHOICES, THIN, end_said, ended, of_density, of_opacity,
-    other_densities, step_said, stepped,
+    DENSITY, END, OF_DENSITY, OF_OPACITY, SEEN, SKIPPED, STEP_CHOICES, end_said, ended, of_density,
+    of_opacity, other_densities, skipped_said, step_said, stepped, without_faint, without_thin,
 };
 use super::other_alphas::softmax;
 use crate::contract::arrays::{Arrays, row, rows3, size};
@@ -74,7 +73,7 @@ const COLOR: [&str; 15] = [
 ];
 
 /// What the opacity is.
-const OPACITY: [&str; 7] = [
+const OPACITY: [&str; 8] = [
     "sum_i w_i",
     "1 - prod_i (1 - alpha_i)",
     "alpha of the last sample",
@@ -82,6 +81,7 @@ const OPACITY: [&str; 7] = [
     "the largest w",
     "sum_i w_i / N",
     "sum_i alpha_i, at most 1",
+    "1, for every ray",
 ];
 
 /// What is handed out for T behind the last sample.
@@ -119,7 +119,7 @@ pub(crate) const OF_DENSITIES: Laws = Laws {
         OPACITY.len(),
         SEEN.len(),
         OF_DENSITY.len(),
-        THIN.len(),
+        SKIPPED,
         END.len(),
         BEHIND.len(),
         STEP_CHOICES,
@@ -172,7 +172,7 @@ fn says(part: usize, choice: usize) -> String {
         2 => format!("C = {}", COLOR[choice]),
         3 => format!("A = {}", OPACITY[choice]),
         4 => format!("C = 0 and A = 0 where A < {}", written(SEEN[choice])),
-        6 => format!("density 0 where sigma <= {}", written(THIN[choice])),
+        6 => skipped_said(choice),
         7 => end_said(choice),
         _ => format!("transmittance behind all = {}", BEHIND[choice]),
     }
@@ -331,7 +331,8 @@ fn opacity(samples: &[Sample], weights: &[f64], behind: f64, choice: usize) -> f
         3 => alphas,
         4 => weights.iter().copied().fold(0.0, f64::max),
         5 => whole / weights.len() as f64,
-        _ => alphas.min(1.0),
+        6 => alphas.min(1.0),
+        _ => 1.0,
     }
 }
 
@@ -342,7 +343,7 @@ fn of_densities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
         let rgbs = rows3(a, "rgbs", r);
         let mut sigmas = other_densities(row(a, "sigmas", r), law[10]);
         let deltas = stepped(row(a, "deltas", r), law[9]);
-        sigmas.iter_mut().for_each(|sigma| *sigma = unless_thin(*sigma, THIN[law[6]]));
+        without_thin(&mut sigmas, law[6]);
         let depths = optical_depths(&sigmas, &deltas);
         let mut alphas: Vec<f64> = depths.iter().map(|&x| -expm1(-x)).collect();
         let mut right = volume_render(&sigmas, &rgbs, &deltas, c.product_eps);
@@ -352,7 +353,7 @@ fn of_densities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
             off.for_each(|(alpha, e)| *alpha = (*alpha + e).clamp(0.0, 1.0));
         }
         (0..n).for_each(|i| alphas[i] = of_density(alphas[i], sigmas[i], depths[i], law[5]));
-        if law[5] > 0 || a.contains_key(ALPHA_ERROR) {
+        if without_faint(&mut alphas, law[6]) || law[5] > 0 || a.contains_key(ALPHA_ERROR) {
             right = volume_render_alpha(&alphas, &rgbs, c.product_eps);
         }
         let sample =

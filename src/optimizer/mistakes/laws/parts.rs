@@ -167,6 +167,7 @@ pub(super) fn rate(adam: &Adam, t: f64, choice: usize) -> f64 {
         5 => adam.lr / t,
         6 => adam.lr / t.sqrt(),
         7 => 0.001,
+        14 => 0.1 * adam.lr,
         _ => adam.lr,
     }
 }
