@@ -44,15 +44,15 @@ impl Guard {
     pub fn said(self, x: &str) -> String {
         match self {
             Guard::Nothing => x.into(),
-            Guard::Plus(eps) => format!("{x} + {}", written(eps)),
-            Guard::AtLeast(eps) => format!("max({x}, {})", written(eps)),
-            Guard::UnderRoot(eps) => format!("sqrt({x}^2 + {})", written(eps)),
+            Guard::Plus(eps) => format!("{x} + {}", as_written(eps)),
+            Guard::AtLeast(eps) => format!("max({x}, {})", as_written(eps)),
+            Guard::UnderRoot(eps) => format!("sqrt({x}^2 + {})", as_written(eps)),
         }
     }
 }
 
 /// A threshold as one writes it.
-pub fn written(x: f64) -> String {
+pub fn as_written(x: f64) -> String {
     if x < 0.01 { format!("{x:e}") } else { x.to_string() }
 }
 

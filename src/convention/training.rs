@@ -42,7 +42,7 @@ pub enum ClipEps {
     /// Nothing (Pascanu et al. 2013, optax, TensorFlow).
     #[default]
     None,
-    /// 1e-8.
+    /// 1e-8, as what is written by hand has it.
     #[serde(rename = "1e-8")]
     TenToMinusEight,
     /// 1e-7 (jaxnerf).
@@ -86,7 +86,7 @@ pub enum LossScaleCeiling {
     /// Nothing but the largest number (PyTorch, jmp).
     #[default]
     None,
-    /// 2^16, about the largest number of 16 bits.
+    /// 2^16, with which PyTorch's scaler begins: some mixed precision written by hand doesn't go beyond.
     #[serde(rename = "2^16")]
     TwoTo16,
     /// 2^24 (apex).

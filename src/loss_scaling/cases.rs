@@ -29,6 +29,7 @@ pub(crate) fn loss_scale_update() -> Vec<Case> {
         case("overflow_first", "an overflow in the first step", [65536.0, 0.0, 1.0, 2.0, 0.5, 2000.0]),
         case("overflow_last", "an overflow in the step that would grow", [1000.3, 7.0, 1.0, 1.9, 0.3, 8.0]),
         case("small", "an overflow of a scale close to 1", [1.3, 2.0, 1.0, 1.9, 0.3, 8.0]),
+        case("beyond_16_bits", "a scale that grows beyond 2^16", [40_000.3, 7.0, 0.0, 1.9, 0.3, 8.0]),
         case("large", "a scale that grows beyond 2^24", [1.2e7, 7.0, 0.0, 1.9, 0.3, 8.0]),
     ]
 }

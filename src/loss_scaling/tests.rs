@@ -37,6 +37,15 @@ fn limits_hold_what_changes() {
     assert_eq!((held(1.5e7, 3, false), held(1.5e7, 2, false)), ((16_777_216.0, 0), (1.5e7, 3)));
     assert_eq!((held(0.25, 2, false), held(3e7, 2, false)), ((0.25, 3), (3e7, 3)));
     assert_eq!(held(8.0, 3, false), (16.0, 0));
+    let low = |scale| {
+        updated(
+            &LossScale { scale, tracker: 3, ..USUAL },
+            false,
+            LossScaleFloor::None,
+            LossScaleCeiling::TwoTo16,
+        )
+    };
+    assert_eq!((low(40_000.0), low(20_000.0)), ((65_536.0, 0), (40_000.0, 0)));
 }
 
 /// Adam's parameters and moments after a step by scaled gradients, as the documentation of `unscaled` asks for it.

@@ -321,6 +321,35 @@ mod tests {
     use crate::convention::CS180;
 
     #[test]
+    fn nothing_is_seen_behind_an_opaque_last_sample() {
+        let c = Conventions { last_sample: LastSample::Opaque, ..CS180 };
+        let ln2 = std::f64::consts::LN_2;
+        let rgbs = || array(&[1, 2, 3], vec![0.25, 0.25, 0.25, 0.75, 0.75, 0.75]);
+        let thin = arrays([
+            ("sigmas", array(&[1, 2], vec![ln2, 0.0])),
+            ("deltas", array(&[1, 2], vec![1.0, 0.0])),
+            ("rgbs", rgbs()),
+        ]);
+        let layers = arrays([("alphas", array(&[1, 2], vec![0.5, 0.0])), ("rgbs", rgbs())]);
+        for out in [render(&thin, &c), render_alpha(&layers, &c)] {
+            assert_eq!(values(&out, "weights"), [0.5, 0.5]);
+            assert_eq!(values(&out, "colors"), [0.5; 3]);
+            assert_eq!((values(&out, "opacity")[0], values(&out, "transmittance")[0]), (1.0, 0.0));
+        }
+        let pulled = |mut a: Arrays| {
+            a.insert("grad_colors".into(), array(&[1, 3], vec![1.0; 3]));
+            a.insert("grad_weights".into(), array(&[1, 2], vec![0.0; 2]));
+            ["grad_opacity", "grad_transmittance"].map(|name| a.insert(name.into(), array(&[1], vec![0.0])));
+            a
+        };
+        // More of the first sample is less of the last one, of three channels: 3 (1/4 - 3/4) e^-ln2.
+        let gradients = render_vjp(&pulled(thin), &c);
+        assert_eq!(values(&gradients, "grad_sigmas"), [-0.75, 0.0]);
+        assert_eq!(values(&gradients, "grad_deltas"), [-0.75 * ln2, 0.0]);
+        assert_eq!(values(&render_alpha_vjp(&pulled(layers), &c), "grad_alphas"), [-1.5, 0.0]);
+    }
+
+    #[test]
     fn a_ray_of_given_opacities_ends_where_next_to_no_light_is_left() {
         let case = |alphas: &[f64]| {
             let n = alphas.len();

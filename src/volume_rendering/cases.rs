@@ -173,7 +173,7 @@ pub(crate) fn volume_render() -> Vec<Case> {
     let sigmas = [-19, -11, -10, -12, -60, -8, -19, -19, -19, -60, -60, -60].map(|n| libm::ldexp(1.0, n));
     cases.push(Case::new(
         "haze_of_long_steps",
-        "densities below a thousandth that hide nearly all, and faint weights: who skips by one isn't who skips by the other",
+        "densities below 1/250 that hide nearly all, and faint weights: who skips by one isn't who skips by the other",
         vec![
             ("sigmas", array(&[2, 6], sigmas.to_vec())),
             ("rgbs", Draw::new("volume_render", 101).array(&[2, 6, 3], 0.25, 1.0)),

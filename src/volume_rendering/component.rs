@@ -3,6 +3,7 @@
 use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Port};
 use crate::contract::special::{Form, Special};
+use crate::convention::{AlphaCap, AlphaStop, Faint, LastSample};
 
 /// How functions take step lengths.
 const FORMS: &[Form] = &[
@@ -100,6 +101,11 @@ pub(crate) const VOLUME_RENDER_ALPHA: Component = Component {
     mistakes: mistakes::VOLUME_RENDER_ALPHA,
     special: Special {
         large: cases::large::opacities,
+        // An opaque last layer is no splat, which has a cap or an end.
+        admits: |_, c| {
+            c.last_sample == LastSample::AsItIs
+                || c.alpha_cap == AlphaCap::None && c.alpha_stop == AlphaStop::None && c.faint == Faint::Kept
+        },
         left_of_one: &["transmittance"],
         laws: Some(mistakes::weight_laws::OF_OPACITIES),
         gradient_laws: Some(mistakes::gradient_laws::OF_OPACITIES),

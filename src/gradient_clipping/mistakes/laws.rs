@@ -32,7 +32,7 @@ const NORM: [&str; 13] = [
     "|sum of g|",
 ];
 
-/// What an eps does; the first is the convention's.
+/// What an eps does; the first stands for what the convention adds.
 const HELD: [Guard; 9] = [
     Guard::Nothing,
     Guard::Plus(1e-12),

@@ -69,9 +69,9 @@ pub(super) fn beyond(
     if !several.is_empty() {
         return ranked(several, question, answers, &home, options);
     }
-    let climbed = formulas.as_ref().map_or(vec![], Search::climbed);
-    if !climbed.is_empty() {
-        return climbed;
+    let part_by_part = formulas.as_ref().map_or(vec![], Search::climbed);
+    if !part_by_part.is_empty() {
+        return part_by_part;
     }
     // All but edge cases.
     if !laws.is_empty() {
@@ -84,10 +84,8 @@ pub(super) fn beyond(
         return ranked(pairs, question, answers, &home, options);
     }
     let formula = formulas.as_ref().and_then(Search::most_cases);
-    let fewer = |e: &Explanation| {
-        let others = most.iter().filter(|most| most.wrong()).map(|most| most.unexplained_cases.len());
-        others.min().is_none_or(|others| e.unexplained_cases.len() < others)
-    };
+    let left = |e: &Explanation| e.unexplained_cases.len();
+    let fewer = |formula: &Explanation| most.as_ref().is_none_or(|most| left(formula) < left(most));
     if let Some(formula) = formula.filter(fewer) {
         return vec![formula];
     }

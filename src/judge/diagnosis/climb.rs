@@ -6,7 +6,7 @@ use super::super::assignment::small_cases;
 use super::super::exam::Question;
 use super::super::mark::MarkOptions;
 use super::super::partial::{Partial, apply, partial, with};
-use super::evidence::{explains_all, only_renames, real_numbers, shows};
+use super::evidence::{explains_all, real_numbers, renamed, shows};
 use super::fitted::{with_its_number, written};
 use super::hypothesis::Hypothesis;
 use super::nearness::{distance, likely};
@@ -71,7 +71,7 @@ pub(crate) fn climbed(
     let fits =
         |h: &Hypothesis| explains_all(h, question, answers, options) && shows(h, question, answers, options);
     // What the right formula says in other conventions is no mistake.
-    let own = |h: &Hypothesis| !h.right() && !only_renames(h, &[*base], question, answers, options);
+    let own = |h: &Hypothesis| !h.right() && renamed(h, &[*base], question, answers, options).is_none();
     let starts = likely(STARTS, (question, answers), base, options).into_iter();
     let mut ways = measured(starts.map(|c| Hypothesis::new(vec![], c)).collect());
     best(&mut ways);

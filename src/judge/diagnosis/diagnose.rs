@@ -9,8 +9,7 @@ use super::beyond::beyond;
 use super::commoner::commoner;
 use super::effects::{Effects, Failing};
 use super::evidence::{
-    Explanation, Suspect, explains_all, forward_is_the_same, no_number_left, nothing_but_zero, only_renames,
-    shows,
+    Explanation, Suspect, explains_all, forward_is_the_same, no_number_left, nothing_but_zero, renamed, shows,
 };
 use super::fitted::fitting;
 use super::hypothesis::{Hypothesis, of_forward};
@@ -166,11 +165,19 @@ impl<'a> Diagnosis<'a> {
     /// to two that people make: 147.2 is 255 over the root of 3.
     fn one_mistake(&self) -> (Vec<Explanation>, Vec<Hypothesis>) {
         let Diagnosis { question, answers, base, options, .. } = *self;
-        let near = self.near(1);
+        let mut near = self.near(1);
         let mut found = self.explaining(1, &near);
-        // The right formula in other conventions, as far off as wrong code may be: it has lost digits.
         let applied = self.applied(&near);
-        found.retain(|h| !only_renames(h, &applied, question, answers, options));
+        // The right formula in other conventions, as far off as wrong code may be: it has lost digits, in these.
+        let mut renames: Vec<Partial> = vec![];
+        if question.kind == Kind::Forward && !self.large {
+            found.retain(|h| {
+                let c = renamed(h, &applied, question, answers, options);
+                renames.extend(c.iter().map(|c| partial(question.component, c)));
+                c.is_none()
+            });
+        }
+        near.extend(&renames);
         if !found.is_empty() {
             found.extend(commoner(&found, question, answers, options));
             return (self.unless_lost(found, &near), vec![]);

@@ -161,22 +161,24 @@ pub(crate) fn shows(h: &Hypothesis, question: &Question, answers: &Answers, opti
     lost.most > 1.0 && nearer || MUCH_BETTER * wrong.most < lost.most || repeats(h, question, &cases, options)
 }
 
-/// Whether the right formula gives the same in other conventions, or in those next to these: a scale of 1/2 where the frequencies are those of 2 pi.
-pub(crate) fn only_renames(
+/// The conventions among these, or next to a mistake's own, in which the right formula gives the same: a scale of 1/2 where the frequencies are
+/// those of 2 pi.
+pub(crate) fn renamed(
     h: &Hypothesis,
     others: &[Conventions],
     question: &Question,
     answers: &Answers,
     options: &MarkOptions,
-) -> bool {
+) -> Option<Conventions> {
+    let cases = usable(h, question, answers);
     let same = |c: &Conventions| {
         let right = Hypothesis::new(vec![], *c);
-        usable(h, question, answers).iter().all(|(case, _)| right.same_as(h, question, case, options))
+        cases.iter().all(|(case, _)| right.same_as(h, question, case, options))
     };
     let keys = CHOICES.iter().filter(|(key, _)| question.component.conventions.contains(key));
     let next =
         keys.flat_map(|(key, values)| values.iter().filter_map(|value| h.conventions.with(key, value).ok()));
-    others.iter().copied().chain(next.filter(|c| question.admits(c))).any(|c| same(&c))
+    others.iter().copied().chain(next.filter(|c| question.admits(c))).find(same)
 }
 
 /// Whether the right formula gives the same in both, up to rounding, on the inputs of all cases.
@@ -242,7 +244,8 @@ mod tests {
         let answers: Answers = question.cases.iter().map(right).collect();
         let twice = CS180.with("frequency", "two_pi").expect("listed");
         let scaled = Hypothesis::new(vec!["another_first_band"], twice);
-        let renames = |c: f64| only_renames(&scaled.with_number(c), &[CS180], question, &answers, &options);
+        let renames =
+            |c: f64| renamed(&scaled.with_number(c), &[CS180], question, &answers, &options).is_some();
         assert!(renames(0.5) && !renames(0.25));
     }
 

@@ -10,7 +10,7 @@ use super::super::assignment::small_cases;
 use super::super::exam::Question;
 use super::super::mark::MarkOptions;
 use super::super::within::largest_of;
-use super::evidence::{Suspect, explains_all, forward_is_the_same, only_renames, shows, usable};
+use super::evidence::{Suspect, explains_all, forward_is_the_same, renamed, shows, usable};
 use super::hypothesis::Hypothesis;
 use super::stepwise;
 use crate::contract::arrays::Arrays;
@@ -83,7 +83,7 @@ pub(crate) fn fitting(
         let asked = n % near.len() < likeliest || within_reach(mistake, &usual, question, answers);
         asked.then(|| with_its_number(mistake, &usual, question, answers, fits))?
     });
-    let own = |h: &Hypothesis| !only_renames(h, near, question, answers, options);
+    let own = |h: &Hypothesis| renamed(h, near, question, answers, options).is_none();
     found.into_iter().flatten().filter(own).collect()
 }
 

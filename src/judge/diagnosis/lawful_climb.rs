@@ -46,19 +46,17 @@ impl Search<'_> {
         let starts = self.nearby.iter().take(STARTS).map(|(_, c)| (right.clone(), c)).collect();
         let (mut ways, mut tried) = (self.measured(starts, &cases), 0);
         for _ in 0..STEPS {
-            let all: Vec<(Vec<usize>, &Conventions)> =
-                ways.iter().flat_map(|way| self.one_more(way)).collect();
-            let most = (WORK / cost.max(1)).min(all.len());
-            tried += most;
-            let before: Vec<f64> = ways.iter().flat_map(|way| self.one_more(way).map(|_| way.off)).collect();
-            let next = self.measured(all.into_iter().take(most).collect(), &cases);
-            let nearer = next.into_iter().zip(before).filter(|(way, before)| way.off < before - NEARER);
+            // Each way has its share.
+            let most = WORK / cost.max(1) / ways.len().max(1);
+            let next = ways.iter().flat_map(|way| self.one_more(way).take(most).map(|more| (more, way.off)));
+            let (all, before): (Vec<_>, Vec<_>) = next.unzip();
+            tried += all.len();
+            let next = self.measured(all, &cases).into_iter().zip(before);
+            let nearer = next.filter(|(way, before)| way.off < before - NEARER);
             ways = best(nearer.map(|(way, _)| way).collect());
             let near = ways.iter().filter(|way| way.off < CLOSE);
-            let found = self.proved(
-                near.map(|way| (self.failing(way.c), self.hypothesis(&way.law, way.c))).collect(),
-                tried,
-            );
+            let near = near.map(|way| (self.failing(way.c), self.hypothesis(&way.law, way.c)));
+            let found = self.proved(near.collect(), tried);
             if !found.is_empty() {
                 return found;
             }
@@ -66,10 +64,11 @@ impl Search<'_> {
         vec![]
     }
 
-    /// The same with one more wrong part.
-    fn one_more<'b>(&self, way: &Way<'b>) -> impl Iterator<Item = (Vec<usize>, &'b Conventions)> {
+    /// The same with one more wrong part; the parts with the fewest choices first.
+    fn one_more<'b>(&self, way: &Way<'b>) -> impl Iterator<Item = (Vec<usize>, &'b Conventions)> + use<'b> {
         let (law, c, choices) = (way.law.clone(), way.c, self.laws.choices);
-        let right = (0..law.len()).filter(|part| law[*part] == 0).collect::<Vec<_>>();
+        let mut right: Vec<usize> = (0..law.len()).filter(|part| law[*part] == 0).collect();
+        right.sort_by_key(|part| choices[*part]);
         right.into_iter().flat_map(move |part| {
             let law = law.clone();
             (1..choices[part]).map(move |choice| {

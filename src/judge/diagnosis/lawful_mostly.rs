@@ -2,19 +2,25 @@
 //! steps is off by that where nothing else is.
 
 use super::super::answer::Answer;
+use super::super::assignment::small_cases;
 use super::evidence::{Explanation, only};
 use super::hypothesis::Hypothesis;
 use super::lawful::{Search, TRIED, WORK};
+use super::slips::proved::proved;
 use super::slips::slipping::attempt;
+use super::telling::by_chance;
 use crate::contract::case::Case;
 use crate::convention::Conventions;
 use crate::parallel;
 
-/// The share of the cases that a formula must explain, and of those that the right one doesn't.
+/// The share of the cases that a formula must explain, of those that the right one doesn't.
 const MOST: f64 = 0.75;
 
 /// Of these it must explain so many.
 const SHOWN: usize = 3;
+
+/// Formulas whose proof is asked, those that explain the most first.
+const ASKED: usize = 4;
 
 /// A formula in so many wrong parts and conventions, and which cases it explains.
 struct Tried<'b> {
@@ -24,13 +30,14 @@ struct Tried<'b> {
 }
 
 impl<'a> Search<'a> {
-    /// The formula that explains most cases, and what is left of them.
+    /// The formula that explains most cases, and what is left of them. Those that the right one explains are among them.
     pub(super) fn most_cases(&self) -> Option<Explanation> {
         let (mut left, mut tried, mut found) = (WORK, 0, vec![]);
         for (parts, conventions) in (1..=2.min(self.laws.choices.len())).zip(TRIED) {
             let nearby = &self.nearby[..conventions.min(self.nearby.len())];
             for (n, (case, c)) in nearby.iter().enumerate() {
-                let cost = 2 * self.question.cost(self.cases[*case].0);
+                let probes = self.probes(*case);
+                let cost: usize = probes.iter().map(|probe| self.question.cost(self.cases[*probe].0)).sum();
                 let all = self.laws.differing(parts, |_| true, left / (nearby.len() - n) / cost);
                 left -= all.len() * cost;
                 tried += all.len();
@@ -40,23 +47,19 @@ impl<'a> Search<'a> {
                 break;
             }
         }
-        // The first of those that explain the most.
-        let count = |t: &Tried| t.explained.iter().filter(|explained| **explained).count();
-        found.into_iter().rev().max_by_key(count).and_then(|best| self.but_for_others(best, tried))
+        found.sort_by_key(|t: &Tried| t.explained.iter().filter(|explained| !**explained).count());
+        found.iter().take(ASKED).find_map(|t| self.but_for_others(t, tried))
     }
 
     /// Those of these formulas that explain most cases.
     fn explaining_most<'b>(&self, case: usize, c: &'b Conventions, all: Vec<Vec<usize>>) -> Vec<Tried<'b>> {
         let right = self.explained_cases(&Hypothesis::new(vec![], *c));
         let failing: Vec<usize> = (case..right.len()).filter(|n| !right[*n]).collect();
-        // One of two cases may be one of those in which more is wrong.
-        let probes = [failing[0], failing[failing.len() / 2]];
+        let probes = self.probes(case);
         let enough = |explained: &[bool]| {
-            let of = |cases: &[usize]| cases.iter().filter(|n| explained[**n]).count();
-            let every: Vec<usize> = (0..explained.len()).collect();
-            of(&failing) >= SHOWN
-                && of(&failing) as f64 >= MOST * failing.len() as f64
-                && of(&every) as f64 >= MOST * every.len() as f64
+            let count = failing.iter().filter(|n| explained[**n]).count();
+            let kept = explained.iter().zip(&right).all(|(explained, right)| *explained || !*right);
+            kept && count >= SHOWN && count as f64 >= MOST * failing.len() as f64
         };
         let tried = parallel::map(all.len(), |n| {
             let near = |probe: &usize| self.near(&all[n], *probe, c) == self.cases[*probe].1.len();
@@ -68,6 +71,11 @@ impl<'a> Search<'a> {
         found.filter_map(|(explained, law)| Some(Tried { law, c, explained: explained? })).collect()
     }
 
+    /// Two cases, as one may be of those in which more is wrong: the first that the right formula doesn't explain, and one halfway to the last.
+    fn probes(&self, failing: usize) -> [usize; 2] {
+        [failing, (failing + self.cases.len()) / 2]
+    }
+
     fn explained_cases(&self, h: &Hypothesis) -> Vec<bool> {
         let one = |(case, answer): &(&Case, &Answer)| {
             attempt(|| h.explains(self.question, case, answer, self.options)).unwrap_or(false)
@@ -76,17 +84,21 @@ impl<'a> Search<'a> {
     }
 
     /// The same where it is proved by the cases that it explains.
-    fn but_for_others(&self, best: Tried, tried: usize) -> Option<Explanation> {
+    fn but_for_others(&self, t: &Tried, tried: usize) -> Option<Explanation> {
         let of = |wanted: bool| {
             let cases =
-                self.cases.iter().zip(&best.explained).filter(move |(_, explained)| **explained == wanted);
+                self.cases.iter().zip(&t.explained).filter(move |(_, explained)| **explained == wanted);
             cases.map(|((case, _), _)| case.id.clone()).collect::<Vec<_>>()
         };
         let explained = of(true);
         let (question, answers) = only(self.question, self.answers, |case| explained.contains(&case.id));
-        let search = Search::new(&question, &answers, self.base, self.options)?;
-        let case = search.nearby.iter().find(|(_, c)| c == best.c)?.0;
-        let found = search.proved(vec![(case, self.hypothesis(&best.law, best.c))], tried);
+        let right = Hypothesis::new(vec![], *t.c);
+        let wrong =
+            |(case, answer): &(&Case, &Answer)| !right.explains(&question, case, answer, self.options);
+        let failing = small_cases(&question, &answers).iter().position(wrong)?;
+        let nearby: Vec<Conventions> = self.nearby.iter().map(|(_, c)| *c).collect();
+        let alone = vec![(failing, self.hypothesis(&t.law, t.c))];
+        let found = proved(alone, by_chance(tried), &nearby, &question, &answers, self.base, self.options);
         found.into_iter().next().map(|e| Explanation { unexplained_cases: of(false), ..e })
     }
 }

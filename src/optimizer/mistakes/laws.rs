@@ -221,7 +221,7 @@ fn says(part: usize, choice: usize) -> String {
         7 => format!("{} in the place of 1 - beta^t", CORRECTION[choice]),
         8 => format!("eps = {:e}, whatever it is", EPS[choice]),
         9 => format!("m' divided by {}", ROOT[choice]),
-        _ => format!("{} kept", KEPT[choice]),
+        _ => format!("{} handed out for m' and v'", KEPT[choice]),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::densities::softplus;
 use super::march::unless_thin;
-use crate::contract::laws::{Guard, written};
+use crate::contract::laws::{Guard, as_written};
 use crate::math::{exp, expm1};
 
 /// What stands for the opacity of a density.
@@ -79,7 +79,7 @@ pub(super) const DENSITY: [&str; 6] = [
 ];
 
 /// The densities of samples that are skipped.
-const THIN: [f64; 7] = [f64::NEG_INFINITY, 0.01, 1e-3, 1e-4, 1e-5, 0.1, 1.0];
+pub(super) const THIN: [f64; 7] = [f64::NEG_INFINITY, 0.01, 1e-3, 1e-4, 1e-5, 0.1, 1.0];
 
 /// The weights of samples that are skipped.
 const FAINT: [f64; 4] = [1e-4, 1e-3, 0.01, 1e-5];
@@ -90,8 +90,11 @@ pub(super) const SKIPPED: usize = THIN.len() + FAINT.len();
 /// What is said of them.
 pub(super) fn skipped_said(choice: usize) -> String {
     match THIN.get(choice) {
-        Some(least) => format!("density 0 where sigma <= {}", written(*least)),
-        None => format!("opacity 0 where T_i alpha_i < {}", written(FAINT[choice - THIN.len()])),
+        Some(least) => format!("density 0 where sigma <= {}", as_written(*least)),
+        None => format!(
+            "opacity 0 where alpha_i prod_{{j<i}} (1 - alpha_j) < {}",
+            as_written(FAINT[choice - THIN.len()])
+        ),
     }
 }
 
@@ -101,7 +104,7 @@ pub(super) fn without_thin(sigmas: &mut [f64], choice: usize) {
     sigmas.iter_mut().for_each(|sigma| *sigma = unless_thin(*sigma, least));
 }
 
-/// The opacities without those that are skipped by their weights; whether there are such.
+/// The opacities without those that are skipped by their weights; whether that is the choice.
 pub(super) fn without_faint(alphas: &mut [f64], choice: usize) -> bool {
     let Some(faint) = choice.checked_sub(THIN.len()) else { return false };
     let mut light = 1.0;
@@ -145,8 +148,8 @@ pub(super) const SEEN: [f64; 5] = [f64::NEG_INFINITY, 0.01, 1e-3, 1e-4, 0.1];
 /// What is said of an end.
 pub(super) fn end_said(choice: usize) -> String {
     match END[choice] {
-        (least, 0) => format!("an end in front of a sample where T < {}", written(least)),
-        (least, _) => format!("an end in front of the sample that brings T below {}", written(least)),
+        (least, 0) => format!("an end in front of a sample where T < {}", as_written(least)),
+        (least, _) => format!("an end in front of the sample that brings T below {}", as_written(least)),
     }
 }
 

@@ -1,16 +1,16 @@
 //! Laws of volume rendering: what may stand for T_i and for alpha_i in w_i = T_i alpha_i, what is made of the weights, and how one marches.
 
-use super::super::arrays::{closed, counted, over, renderings};
+use super::super::arrays::{counted, over, renderings};
 use super::super::{Rendering, optical_depths, volume_render, volume_render_alpha};
 use super::ALPHA_ERROR;
 use super::march_laws::{
-    DENSITY, END, OF_DENSITY, OF_OPACITY, SEEN, SKIPPED, STEP_CHOICES, end_said, ended, of_density,
+    DENSITY, END, OF_DENSITY, OF_OPACITY, SEEN, SKIPPED, STEP_CHOICES, THIN, end_said, ended, of_density,
     of_opacity, other_densities, skipped_said, step_said, stepped, without_faint, without_thin,
 };
 use super::other_alphas::softmax;
 use crate::contract::arrays::{Arrays, row, rows3, size};
-use crate::contract::laws::{Laws, written};
-use crate::convention::Conventions;
+use crate::contract::laws::{Laws, as_written};
+use crate::convention::{Conventions, LastSample};
 use crate::math::{exp, expm1};
 
 /// What is accumulated for T: of densities all of these, of opacities the first two.
@@ -144,18 +144,24 @@ pub(crate) const OF_OPACITIES: Laws = Laws {
         OPACITY.len(),
         SEEN.len(),
         OF_OPACITY.len(),
-        // A density isn't known.
-        1,
+        // A density isn't known, a weight is.
+        1 + SKIPPED - THIN.len(),
         END.len(),
         BEHIND.len(),
     ],
     says: |part, choice| match part {
         5 => format!("{} for alpha_i", OF_OPACITY[choice]),
+        6 => skipped_said(of_weights(choice)),
         _ => says(part, choice),
     },
     of: of_opacities,
     rounding: &[],
 };
+
+/// The choice of what is skipped where densities aren't known.
+fn of_weights(choice: usize) -> usize {
+    if choice == 0 { 0 } else { choice + THIN.len() - 1 }
+}
 
 fn says(part: usize, choice: usize) -> String {
     match part {
@@ -171,7 +177,7 @@ fn says(part: usize, choice: usize) -> String {
         ),
         2 => format!("C = {}", COLOR[choice]),
         3 => format!("A = {}", OPACITY[choice]),
-        4 => format!("C = 0 and A = 0 where A < {}", written(SEEN[choice])),
+        4 => format!("C = 0 and A = 0 where A < {}", as_written(SEEN[choice])),
         6 => skipped_said(choice),
         7 => end_said(choice),
         _ => format!("transmittance behind all = {}", BEHIND[choice]),
@@ -337,14 +343,14 @@ fn opacity(samples: &[Sample], weights: &[f64], behind: f64, choice: usize) -> f
 }
 
 fn of_densities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
-    let a = &closed(a, c);
     let (count, n) = size(a, "sigmas");
+    let closed = c.last_sample == LastSample::Opaque;
     let one = |r: usize| {
         let rgbs = rows3(a, "rgbs", r);
         let mut sigmas = other_densities(row(a, "sigmas", r), law[10]);
         let deltas = stepped(row(a, "deltas", r), law[9]);
         without_thin(&mut sigmas, law[6]);
-        let depths = optical_depths(&sigmas, &deltas);
+        let mut depths = optical_depths(&sigmas, &deltas);
         let mut alphas: Vec<f64> = depths.iter().map(|&x| -expm1(-x)).collect();
         let mut right = volume_render(&sigmas, &rgbs, &deltas, c.product_eps);
         if a.contains_key(ALPHA_ERROR) {
@@ -353,7 +359,12 @@ fn of_densities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
             off.for_each(|(alpha, e)| *alpha = (*alpha + e).clamp(0.0, 1.0));
         }
         (0..n).for_each(|i| alphas[i] = of_density(alphas[i], sigmas[i], depths[i], law[5]));
-        if without_faint(&mut alphas, law[6]) || law[5] > 0 || a.contains_key(ALPHA_ERROR) {
+        let skips = without_faint(&mut alphas, law[6]);
+        // An opaque last sample is so whatever the others are made of.
+        if let Some(last) = n.checked_sub(1).filter(|_| closed) {
+            (alphas[last], depths[last]) = (1.0, 1e10);
+        }
+        if skips || closed || law[5] > 0 || a.contains_key(ALPHA_ERROR) {
             right = volume_render_alpha(&alphas, &rgbs, c.product_eps);
         }
         let sample =
@@ -369,6 +380,7 @@ fn of_opacities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
     let one = |r: usize| {
         let (mut alphas, rgbs) = (row(a, "alphas", r), rows3(a, "rgbs", r));
         alphas.iter_mut().for_each(|alpha| *alpha = of_opacity(*alpha, law[5]));
+        without_faint(&mut alphas, of_weights(law[6]));
         let right = volume_render_alpha(&alphas, &rgbs, c.product_eps);
         let sample = |alpha: &f64| Sample { alpha: *alpha, sigma: 0.0, delta: 0.0, depth: 0.0 };
         ray(&alphas.iter().map(sample).collect::<Vec<_>>(), &rgbs, right, c.product_eps.value(), law)
