@@ -17,6 +17,9 @@ pub struct Special {
     /// The conventions that each output depends on, where these aren't all of the row's: a search for conventions rules them out
     /// output by output.
     pub reads: &'static [(&'static str, &'static [&'static str])],
+    /// Conventions that few programs follow and that change nearly every answer: a search for mistakes leaves them aside where nothing speaks
+    /// for them.
+    pub seldom: &'static [&'static str],
     /// Outputs that none of the row's mistakes reaches: whatever is wrong, they show their conventions.
     pub untouched: &'static [&'static str],
     /// Gives a case's inputs the shapes that conventions ask for.
@@ -111,6 +114,7 @@ impl Special {
     pub const NONE: Special = Special {
         forward_name: "forward",
         reads: &[],
+        seldom: &[],
         untouched: &[],
         reshape: |_, _| {},
         admits: |_, _| true,

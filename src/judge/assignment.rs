@@ -52,7 +52,7 @@ pub(crate) fn admitted(question: &Question, base: &Conventions) -> Vec<Partial> 
 }
 
 /// The admitted assignments that those outputs don't rule out which no mistake reaches. Where an output would leave none, the nearest
-/// stays.
+/// stays. What programs seldom follow is among them only where the right formula is nearer to the answers with it.
 pub(crate) fn open(
     question: &Question,
     answers: &Answers,
@@ -83,6 +83,11 @@ pub(crate) fn open(
         } else {
             all.truncate(1);
         }
+    }
+    for key in special.seldom {
+        let usual: &'static str = partial(question.component, base)[key];
+        let agreeing = |p: &Partial| agreeing(question, &cases, &apply(p, base), options);
+        all.retain(|p| p[key] == usual || agreeing(p) > agreeing(&with(p, key, usual)));
     }
     all
 }
@@ -280,19 +285,27 @@ pub(crate) fn nearest(
 ) -> Conventions {
     let all = open(question, answers, base, options).into_iter().map(|p| apply(&p, base));
     let all: Vec<Conventions> = all.take(COMPARED).collect();
-    let direction = question.component.direction(question.kind).expect("a question has its direction");
     let cases = small_cases(question, answers);
-    let agreeing = parallel::map(all.len(), |n| {
-        let agree = |(case, answer): &(&Case, &Answer)| {
-            let expected = (direction.oracle)(&case.inputs, &all[n]);
-            let within = [THREE_DIGITS, ROUNDINGS * options.dtype.unit_roundoff()];
-            within.map(|relative| agreement(answer, &expected, relative)).iter().sum::<usize>()
-        };
-        cases.iter().take(AGREEING).map(agree).sum::<usize>()
-    });
+    let agreeing = parallel::map(all.len(), |n| agreeing(question, &cases, &all[n], options));
     // The last of equals wins in max_by_key.
     let best = (0..all.len()).rev().max_by_key(|&n| agreeing[n]);
     best.map_or(*base, |n| all[n])
+}
+
+/// How many elements agree in these conventions, to a few digits and to the last ones.
+fn agreeing(
+    question: &Question,
+    cases: &[(&Case, &Answer)],
+    c: &Conventions,
+    options: &MarkOptions,
+) -> usize {
+    let direction = question.component.direction(question.kind).expect("a question has its direction");
+    let agree = |(case, answer): &(&Case, &Answer)| {
+        let expected = (direction.oracle)(&case.inputs, c);
+        let within = [THREE_DIGITS, ROUNDINGS * options.dtype.unit_roundoff()];
+        within.map(|relative| agreement(answer, &expected, relative)).iter().sum::<usize>()
+    };
+    cases.iter().take(AGREEING).map(agree).sum()
 }
 
 /// The smallest cases that they are compared on.

@@ -339,7 +339,9 @@ mod tests {
         let pulled = |mut a: Arrays| {
             a.insert("grad_colors".into(), array(&[1, 3], vec![1.0; 3]));
             a.insert("grad_weights".into(), array(&[1, 2], vec![0.0; 2]));
-            ["grad_opacity", "grad_transmittance"].map(|name| a.insert(name.into(), array(&[1], vec![0.0])));
+            for name in ["grad_opacity", "grad_transmittance"] {
+                a.insert(name.into(), array(&[1], vec![0.0]));
+            }
             a
         };
         // More of the first sample is less of the last one, of three channels: 3 (1/4 - 3/4) e^-ln2.

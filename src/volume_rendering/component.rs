@@ -59,6 +59,7 @@ pub(crate) const VOLUME_RENDER: Component = Component {
         forms: FORMS,
         large: cases::large::densities,
         left_of_one: &["transmittance"],
+        seldom: &["last_sample"],
         of_gradients: arrays::gradients_of_densities,
         laws: Some(mistakes::weight_laws::OF_DENSITIES),
         gradient_laws: Some(mistakes::gradient_laws::OF_DENSITIES),
@@ -107,6 +108,7 @@ pub(crate) const VOLUME_RENDER_ALPHA: Component = Component {
                 || c.alpha_cap == AlphaCap::None && c.alpha_stop == AlphaStop::None && c.faint == Faint::Kept
         },
         left_of_one: &["transmittance"],
+        seldom: &["last_sample"],
         laws: Some(mistakes::weight_laws::OF_OPACITIES),
         gradient_laws: Some(mistakes::gradient_laws::OF_OPACITIES),
         ..Special::NONE
