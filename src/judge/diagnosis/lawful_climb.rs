@@ -12,7 +12,7 @@ use crate::parallel;
 
 /// Parts at once, and ways that are followed side by side.
 const STEPS: usize = 5;
-const WAYS: usize = 12;
+const WAYS: usize = 8;
 
 /// Conventions from which ways begin.
 const STARTS: usize = 6;
@@ -21,7 +21,7 @@ const STARTS: usize = 6;
 const CASES: usize = 8;
 
 /// Elements that a step may compute.
-const WORK: usize = 40_000_000;
+const WORK: usize = 8_000_000;
 
 /// Bits by which a part must bring the answers nearer, on the average.
 const NEARER: f64 = 0.02;
