@@ -85,9 +85,13 @@ pub(crate) fn open(
         }
     }
     for key in special.seldom {
-        let usual: &'static str = partial(question.component, base)[key];
+        let home = partial(question.component, base);
         let agreeing = |p: &Partial| agreeing(question, &cases, &apply(p, base), options);
-        all.retain(|p| p[key] == usual || agreeing(p) > agreeing(&with(p, key, usual)));
+        let (_, values) = CHOICES.iter().find(|(name, _)| name == key).expect("known conventions");
+        let mut others = values.iter().filter(|value| **value != home[key]);
+        if !others.any(|value| agreeing(&with(&home, key, value)) > agreeing(&home)) {
+            all.retain(|p| p[key] == home[key]);
+        }
     }
     all
 }
