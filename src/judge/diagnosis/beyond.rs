@@ -69,10 +69,6 @@ pub(super) fn beyond(
     if !several.is_empty() {
         return ranked(several, question, answers, &home, options);
     }
-    let part_by_part = formulas.as_ref().map_or(vec![], Search::climbed);
-    if !part_by_part.is_empty() {
-        return part_by_part;
-    }
     // All but edge cases.
     if !laws.is_empty() {
         return laws;

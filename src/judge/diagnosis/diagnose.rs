@@ -180,12 +180,12 @@ impl<'a> Diagnosis<'a> {
         near.extend(&renames);
         if !found.is_empty() {
             found.extend(commoner(&found, question, answers, options));
-            return (self.unless_lost(found, &near), vec![]);
+            return (self.unless_lost(found), vec![]);
         }
         if !self.large && !nothing_but_zero(question, answers) {
             let numbers = fitting(question, answers, base, &applied, self.suspects, options);
             if numbers.iter().any(Hypothesis::plain_numbers) {
-                return (self.unless_lost(numbers, &near), vec![]);
+                return (self.unless_lost(numbers), vec![]);
             }
             if !numbers.is_empty() {
                 return (vec![], numbers);
@@ -202,9 +202,9 @@ impl<'a> Diagnosis<'a> {
         (vec![lost_digits(lost, question, &self.home)], vec![])
     }
 
-    fn unless_lost(&self, found: Vec<Hypothesis>, near: &[&Partial]) -> Vec<Explanation> {
+    fn unless_lost(&self, found: Vec<Hypothesis>) -> Vec<Explanation> {
         let found = self.ranked(found);
-        let lost = rather_lost(&found, near, self.question, self.answers, self.base, self.options);
+        let lost = rather_lost(&found, self.question, self.answers, self.base, self.options);
         lost.map_or(found, |lost| vec![lost_digits(lost, self.question, &self.home)])
     }
 

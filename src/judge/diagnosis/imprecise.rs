@@ -183,19 +183,13 @@ pub(crate) fn lost_digits(
 /// rounding is to the right one.
 pub(crate) fn rather_lost(
     mistakes: &[Explanation],
-    near: &[&Partial],
     question: &Question,
     answers: &Answers,
     base: &Conventions,
     options: &MarkOptions,
 ) -> Option<(Hypothesis, f64)> {
-    let closest = mistakes.iter().map(|e| e.residual).fold(f64::INFINITY, f64::min);
-    if closest < NO_CLOSER {
+    if mistakes.iter().any(|e| e.residual < NO_CLOSER) {
         return None;
-    }
-    let lost = inaccuracy(near, question, answers, base, options);
-    if lost.as_ref().is_some_and(|(_, residual)| *residual <= closest) {
-        return lost;
     }
     let c = nearest(question, answers, base, options);
     lost_bits(question, answers, &c, options)?;
@@ -263,29 +257,6 @@ mod tests {
         };
         assert!(bits(|a| 1.0 - a).is_some_and(|bits| bits <= 2));
         assert_eq!(bits(|a| 1.001 - a), None);
-    }
-
-    /// Whether waves that are off by so much are said to have lost digits, in the place of a mistake that uses this share of what it may.
-    fn rather(share: f64, off: f64) -> bool {
-        let exam = Exam::new("positional_encoding", Dtype::F32, None).unwrap();
-        let (question, options) = (&exam.questions[0], MarkOptions { dtype: Dtype::F32, exp_ulp: 4.0 });
-        let own = |x: f64| Dtype::F32.round(x + off * (977.0 * x).sin());
-        let answer = |case: &Case| {
-            let expected = (question.component.forward.oracle)(&case.inputs, &CS180);
-            Some(given(expected.into_iter().map(|(name, a)| (name, a.mapv(own))).collect()))
-        };
-        let answers: Answers = question.cases.iter().map(answer).collect();
-        let mistake = Explanation { residual: share, ..Explanation::default() };
-        let home = partial(question.component, &CS180);
-        rather_lost(&[mistake], &[&home], question, &answers, &CS180, &options).is_some()
-    }
-
-    /// A phase of whole turns costs waves of high frequencies more than eight bits.
-    #[test]
-    fn what_a_mistake_explains_no_closer_has_lost_digits() {
-        assert!(rather(0.98, 2e-5));
-        assert!(!rather(0.1, 2e-5), "it is close");
-        assert!(!rather(0.98, 0.5), "no digits are left");
     }
 
     #[test]

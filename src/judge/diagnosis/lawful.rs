@@ -190,7 +190,7 @@ impl<'a> Search<'a> {
     }
 
     /// Those that explain all answers by more than one of so many that were `tried` would by chance.
-    pub(super) fn proved(&self, near: Vec<(usize, Hypothesis)>, tried: usize) -> Vec<Explanation> {
+    fn proved(&self, near: Vec<(usize, Hypothesis)>, tried: usize) -> Vec<Explanation> {
         let nearby: Vec<Conventions> = self.nearby.iter().map(|(_, c)| *c).collect();
         proved(near, by_chance(tried), &nearby, self.question, self.answers, self.base, self.options)
     }

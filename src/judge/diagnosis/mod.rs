@@ -36,7 +36,6 @@ mod beyond;
 mod by_outputs;
 pub(crate) mod imprecise;
 mod lawful;
-mod lawful_climb;
 mod lawful_mostly;
 pub(crate) mod slips;
 

@@ -79,13 +79,21 @@ pub(super) const DENSITY: [&str; 6] = [
 ];
 
 /// The densities of samples that are skipped.
-pub(super) const THIN: [f64; 7] = [f64::NEG_INFINITY, 0.01, 1e-3, 1e-4, 1e-5, 0.1, 1.0];
+const THIN: [f64; 7] = [f64::NEG_INFINITY, 0.01, 1e-3, 1e-4, 1e-5, 0.1, 1.0];
 
 /// The weights of samples that are skipped.
 const FAINT: [f64; 4] = [1e-4, 1e-3, 0.01, 1e-5];
 
 /// How many choices there are of what is skipped.
 pub(super) const SKIPPED: usize = THIN.len() + FAINT.len();
+
+/// How many where densities aren't known.
+pub(super) const SKIPPED_BY_WEIGHT: usize = 1 + FAINT.len();
+
+/// The choice, among all, of one of those.
+pub(super) fn of_weights(choice: usize) -> usize {
+    if choice == 0 { 0 } else { choice + THIN.len() - 1 }
+}
 
 /// What is said of them.
 pub(super) fn skipped_said(choice: usize) -> String {

@@ -4,8 +4,9 @@ use super::super::arrays::{counted, over, renderings};
 use super::super::{Rendering, optical_depths, volume_render, volume_render_alpha};
 use super::ALPHA_ERROR;
 use super::march_laws::{
-    DENSITY, END, OF_DENSITY, OF_OPACITY, SEEN, SKIPPED, STEP_CHOICES, THIN, end_said, ended, of_density,
-    of_opacity, other_densities, skipped_said, step_said, stepped, without_faint, without_thin,
+    DENSITY, END, OF_DENSITY, OF_OPACITY, SEEN, SKIPPED, SKIPPED_BY_WEIGHT, STEP_CHOICES, end_said, ended,
+    of_density, of_opacity, of_weights, other_densities, skipped_said, step_said, stepped, without_faint,
+    without_thin,
 };
 use super::other_alphas::softmax;
 use crate::contract::arrays::{Arrays, row, rows3, size};
@@ -145,7 +146,7 @@ pub(crate) const OF_OPACITIES: Laws = Laws {
         SEEN.len(),
         OF_OPACITY.len(),
         // A density isn't known, a weight is.
-        1 + SKIPPED - THIN.len(),
+        SKIPPED_BY_WEIGHT,
         END.len(),
         BEHIND.len(),
     ],
@@ -157,11 +158,6 @@ pub(crate) const OF_OPACITIES: Laws = Laws {
     of: of_opacities,
     rounding: &[],
 };
-
-/// The choice of what is skipped where densities aren't known.
-fn of_weights(choice: usize) -> usize {
-    if choice == 0 { 0 } else { choice + THIN.len() - 1 }
-}
 
 fn says(part: usize, choice: usize) -> String {
     match part {
@@ -343,8 +339,7 @@ fn opacity(samples: &[Sample], weights: &[f64], behind: f64, choice: usize) -> f
 }
 
 fn of_densities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
-    let (count, n) = size(a, "sigmas");
-    let closed = c.last_sample == LastSample::Opaque;
+    let ((count, n), closed) = (size(a, "sigmas"), c.last_sample == LastSample::Opaque);
     let one = |r: usize| {
         let rgbs = rows3(a, "rgbs", r);
         let mut sigmas = other_densities(row(a, "sigmas", r), law[10]);
@@ -354,8 +349,7 @@ fn of_densities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
         let mut alphas: Vec<f64> = depths.iter().map(|&x| -expm1(-x)).collect();
         let mut right = volume_render(&sigmas, &rgbs, &deltas, c.product_eps);
         if a.contains_key(ALPHA_ERROR) {
-            let errors = row(a, ALPHA_ERROR, r).into_iter();
-            let off = alphas.iter_mut().zip(errors).filter(|(alpha, _)| **alpha != 0.0);
+            let off = alphas.iter_mut().zip(row(a, ALPHA_ERROR, r)).filter(|(alpha, _)| **alpha != 0.0);
             off.for_each(|(alpha, e)| *alpha = (*alpha + e).clamp(0.0, 1.0));
         }
         (0..n).for_each(|i| alphas[i] = of_density(alphas[i], sigmas[i], depths[i], law[5]));
