@@ -9,11 +9,12 @@ use super::beyond::beyond;
 use super::commoner::commoner;
 use super::effects::{Effects, Failing};
 use super::evidence::{
-    Explanation, Suspect, explains_all, forward_is_the_same, no_number_left, nothing_but_zero, renamed, shows,
+    Explanation, Suspect, explains_all, forward_is_the_same, largest_residual, no_number_left,
+    nothing_but_zero, renamed, shows,
 };
 use super::fitted::fitting;
 use super::hypothesis::{Hypothesis, of_forward};
-use super::imprecise::{few_bits_lost, inaccuracy, lost_digits, rather_lost};
+use super::imprecise::{NO_CLOSER, few_bits_lost, inaccuracy, lost_digits, rather_lost};
 use super::lawful::lawful;
 use super::peel::peel;
 use super::ranked::ranked;
@@ -172,7 +173,8 @@ impl<'a> Diagnosis<'a> {
         let mut renames: Vec<Partial> = vec![];
         if question.kind == Kind::Forward && !self.large {
             found.retain(|h| {
-                let c = renamed(h, &applied, question, answers, options);
+                let close = largest_residual(h, question, answers, options) < NO_CLOSER;
+                let c = if close { None } else { renamed(h, &applied, question, answers, options) };
                 renames.extend(c.iter().map(|c| partial(question.component, c)));
                 c.is_none()
             });

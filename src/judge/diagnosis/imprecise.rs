@@ -197,7 +197,7 @@ pub(crate) fn rather_lost(
 }
 
 /// The share of what wrong code may be off that a mistake uses where it explains the answers no closer than lost digits do.
-const NO_CLOSER: f64 = 0.5;
+pub(super) const NO_CLOSER: f64 = 0.5;
 
 /// Whether answers are off by less than a part of an array's size, or of their own.
 fn digits_are_left(expected: &ArrayD<f64>, given: &ArrayD<f64>) -> bool {
