@@ -274,7 +274,7 @@ pub(super) fn ends(a: &Arrays, c: &Conventions, through: impl Fn(f64, f64) -> f6
         let spent = if c.alpha_stop == AlphaStop::InFront { ray.iter().position(spent) } else { None };
         spent.unwrap_or(ray.len())
     };
-    closed(a, c)["alphas"].lanes(Axis(1)).into_iter().map(end).collect()
+    a["alphas"].lanes(Axis(1)).into_iter().map(end).collect()
 }
 
 /// The light at which a ray ends.

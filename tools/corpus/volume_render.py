@@ -216,7 +216,7 @@ def last_sample_is_no_opacity_over_white(sigmas, rgbs, deltas):
     return colors + (1 - weights.sum(-1))[:, None], weights, opacity
 
 
-@convention("volume_render", {"last_sample": "opaque"}, seen="google-research/multinerf internal/render.py with opaque_background", times=3)
+@convention("volume_render", {"last_sample": "opaque"}, seen="google-research/multinerf internal/render.py with opaque_background", times=2)
 def nothing_is_seen_behind_the_last_sample(sigmas, rgbs, deltas):
     """The last step leads to infinity, and its density with it."""
     depths = sigmas * deltas

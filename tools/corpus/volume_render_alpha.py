@@ -48,7 +48,7 @@ def weights_as_a_matrix(alphas, rgbs):
     return torch.stack([w @ c for w, c in zip(front * alphas, rgbs)])
 
 
-@convention("volume_render_alpha", {"last_sample": "opaque"}, seen="multiplane images: tinghuiz/stereo-magnification's over and ports to torch", times=3)
+@convention("volume_render_alpha", {"last_sample": "opaque"}, seen="multiplane images: tinghuiz/stereo-magnification's over, ported to torch")
 def farthest_layer_is_opaque(alphas, rgbs):
     """Back to front: the first layer that is laid down covers all, whatever its opacity."""
     seen = rgbs[:, -1] if alphas.shape[1] else torch.zeros(len(alphas), 3)
