@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use ndarray::ArrayD;
 
 use super::super::answer::Answer;
+use super::evidence::{REJECTED_BY, rejects_often};
 use super::hypothesis::Hypothesis;
 use super::lawful::{STEPPED, Search, TRIED, WORK};
 use super::slips::slipping::attempt;
@@ -114,8 +115,11 @@ impl<'a> Search<'a> {
         let all: Vec<Vec<usize>> = others.into_iter().map(joined).collect();
         *tried += all.len();
         let known = explained.len();
+        let left: BTreeSet<&str> =
+            self.outputs.iter().copied().filter(|name| !explained.contains(name)).collect();
+        let probes = [self.telling(law, step.c, &left), step.failing];
         let those = parallel::map(all.len(), |n| {
-            let near = self.near(&all[n], step.failing, step.c) > known;
+            let near = probes.iter().all(|probe| self.near(&all[n], *probe, step.c) > known);
             if near { self.explained(&all[n], step.failing, step.c, known) } else { vec![] }
         });
         let most = those.iter().map(Vec::len).max().unwrap_or(0).max(known + 1);
@@ -149,18 +153,21 @@ impl<'a> Search<'a> {
     fn explained(&self, law: &[usize], failing: usize, c: &Conventions, known: usize) -> Vec<&'a str> {
         let (cases, h) = (&self.cases, self.hypothesis(law, c));
         let mut outputs: Vec<&str> = self.outputs.iter().copied().collect();
-        let first = cases[failing..].iter().take(1);
-        for (case, answer) in first.chain(cases) {
-            if outputs.len() <= known {
-                return vec![];
-            }
+        let first = [Some(failing), rejects_often(cases).filter(|n| *n != failing)];
+        let rest = (0..cases.len()).filter(|n| !first.contains(&Some(*n)));
+        for n in first.into_iter().flatten().chain(rest) {
+            let (case, answer) = cases[n];
             let kept = attempt(|| {
                 let mut kept = outputs.clone();
                 h.keep_explained(self.question, case, answer, self.options, &mut kept);
                 kept
             });
             outputs = kept.unwrap_or_default();
+            if outputs.len() <= known {
+                REJECTED_BY.set(n);
+                return vec![];
+            }
         }
-        if outputs.len() > known { outputs } else { vec![] }
+        outputs
     }
 }

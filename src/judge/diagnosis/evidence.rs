@@ -26,7 +26,7 @@ const NUMERIC: usize = 12;
 
 thread_local! {
     /// The place of the case that rejected this thread's last hypothesis. What is explained doesn't depend on it.
-    static REJECTED_BY: Cell<usize> = const { Cell::new(0) };
+    pub(super) static REJECTED_BY: Cell<usize> = const { Cell::new(0) };
 }
 
 /// A hypothesis that explains every answered element, but for the outputs and the cases that it names.
@@ -105,6 +105,13 @@ pub(crate) fn only(
     (some, both.map(|(_, answer)| answer.clone()).collect())
 }
 
+/// The case that rejected the last hypothesis, unless it is long: where one thing is wrong, many are rejected by the same.
+pub(super) fn rejects_often(cases: &[(&Case, &Answer)]) -> Option<usize> {
+    let n = REJECTED_BY.get();
+    let (last, _) = cases.get(n)?;
+    (last.size() <= 4 * cases[0].0.size()).then_some(n)
+}
+
 /// Whether a hypothesis explains every answer; gradients by numeric differentiation on the smallest cases.
 pub(crate) fn explains_all(
     h: &Hypothesis,
@@ -120,9 +127,7 @@ pub(crate) fn explains_all(
     // Those first that can be rejected without a bound.
     let early = |n: &usize| options.may_reject_early(cases[*n].0);
     let fits = |n: &usize| h.explains(question, cases[*n].0, cases[*n].1, options);
-    // Before them the case that rejected the last hypothesis, unless it is long: where one thing is wrong, many are rejected by the same.
-    let cheap = |n: &usize| *n < cases.len() && cases[*n].0.size() <= 4 * cases[0].0.size() && early(n);
-    let first = Some(REJECTED_BY.get()).filter(cheap);
+    let first = rejects_often(&cases).filter(early);
     let (others, hard) = ((0..cases.len()).filter(early), (0..cases.len()).filter(|n| !early(n)));
     let mut rest = first.into_iter().chain(others.chain(hard).filter(|n| first != Some(*n)));
     if let Some(rejected) = rest.find(|n| !fits(n)) {

@@ -1,6 +1,6 @@
 //! Other formulas: what nobody listed one by one, but is made of parts among which people choose.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::super::answer::{Answer, Answers, Given};
 use super::super::assignment::{nearest, small_cases};
@@ -33,6 +33,11 @@ pub(super) const STEPPED: usize = 2;
 /// What is near: this share of a number, and the square of it of the largest. What the formula is not, and an eps or a cap beside it is, is nearer
 /// than that in most numbers; what isn't the formula seldom is.
 const NEARLY: f64 = 0.03;
+
+/// How many times longer than the smallest a case may be on which formulas are tried before they are on all; and shares of its numbers that
+/// are told apart.
+const LONGER: usize = 4;
+const SHARES: usize = 16;
 
 /// Conventions that are tried beside the run's and those of known programs: those that change least, and those in which the answers are nearest.
 const NEAR: usize = 6;
@@ -138,10 +143,13 @@ impl<'a> Search<'a> {
             let nearby = &self.nearby[..conventions.min(self.nearby.len())];
             let trials = self.affordable(all.len(), nearby, &mut left);
             tried += trials.len();
+            let right = vec![0; self.laws.choices.len()];
+            let telling: Vec<usize> =
+                nearby.iter().map(|(_, c)| self.telling(&right, c, &self.outputs)).collect();
             let near = parallel::map(trials.len(), |n| {
                 let (law, (case, c)) = (&all[trials[n].0], &nearby[trials[n].1]);
-                let near = self.near(law, *case, c) == self.cases[*case].1.len();
-                near.then(|| (*case, self.hypothesis(law, c)))
+                let near = |n: &usize| self.near(law, *n, c) == self.cases[*n].1.len();
+                [telling[trials[n].1], *case].iter().all(near).then(|| (*case, self.hypothesis(law, c)))
             });
             let found = self.proved(near.into_iter().flatten().collect(), tried);
             if !found.is_empty() {
@@ -176,17 +184,39 @@ impl<'a> Search<'a> {
 
     /// In how many outputs of a case most numbers are about what a formula gives: what most formulas are rejected by, for it costs little.
     pub(super) fn near(&self, law: &[usize], case: usize, c: &Conventions) -> usize {
+        self.about(law, case, c).values().filter(|(about, all)| 2 * about >= *all).count()
+    }
+
+    /// Of each output of a case, how many numbers are about what a formula gives, and how many there are.
+    fn about(&self, law: &[usize], case: usize, c: &Conventions) -> BTreeMap<&'a str, (usize, usize)> {
         let (case, answer) = self.cases[case];
-        let Some(predicted) = attempt(|| (self.laws.of)(&case.inputs, c, law)) else { return 0 };
-        let about = |(name, given): &(&String, &Given)| {
-            let Some(p) = predicted.get(*name) else { return false };
+        let Some(predicted) = attempt(|| (self.laws.of)(&case.inputs, c, law)) else {
+            return BTreeMap::new();
+        };
+        let about = |(name, given): (&'a String, &Given)| {
+            let p = predicted.get(name).filter(|p| p.len() == given.values.len())?;
             let least = NEARLY * NEARLY * largest_of(p);
             let same = |(p, g): &(&f64, &f64)| {
                 !p.is_finite() || !g.is_finite() || (*p - *g).abs() <= NEARLY * p.abs().max(g.abs()) + least
             };
-            p.len() == given.values.len() && 2 * p.iter().zip(&given.values).filter(same).count() >= p.len()
+            Some((name.as_str(), (p.iter().zip(&given.values).filter(same).count(), p.len())))
         };
-        answer.iter().filter(about).count()
+        answer.iter().filter_map(about).collect()
+    }
+
+    /// Of the cases that cost not much more than the first, that in which the largest share of the numbers of these outputs isn't about what a
+    /// formula gives: most of the others that are wrong are rejected there.
+    pub(super) fn telling(&self, law: &[usize], c: &Conventions, outputs: &BTreeSet<&str>) -> usize {
+        let most = LONGER * self.question.cost(self.cases[0].0);
+        let off = |n: &usize| {
+            let about = self.about(law, *n, c);
+            let those = about.iter().filter(|(name, _)| outputs.contains(*name)).map(|(_, counts)| *counts);
+            let (about, all) = those.fold((0, 0), |(a, b), (about, all)| (a + about, b + all));
+            SHARES * (all - about) / all.max(1)
+        };
+        let cheap = (0..self.cases.len()).filter(|n| self.question.cost(self.cases[*n].0) <= most);
+        // The last of equals wins in max_by_key: reversed, so that the smallest does.
+        cheap.rev().max_by_key(off).unwrap_or(0)
     }
 
     /// Those that explain all answers by more than one of so many that were `tried` would by chance.

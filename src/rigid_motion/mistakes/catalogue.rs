@@ -20,7 +20,8 @@ pub(super) const FIRST_ORDER_WHEN_SMALL: Mistake = Mistake::new(
     "never; cheap to keep",
     0,
 )
-.with("limit", 1e-2, [1e-7, 0.5]);
+.with("limit", 1e-2, [1e-7, 0.5])
+.like_lost_digits();
 pub(super) const POWER_SERIES: Mistake = Mistake::new(
     "power_series",
     "the powers of K (of the twist's matrix), each over its factorial, and so many of them",
