@@ -36,12 +36,12 @@ impl Case {
 
     /// How many numbers go in.
     pub fn size(&self) -> usize {
-        self.inputs.values().map(|array| array.len()).sum()
+        self.inputs.size()
     }
 
     /// Whether all that goes in is a finite number.
     pub fn finite(&self) -> bool {
-        self.inputs.values().flatten().all(|x| x.is_finite())
+        self.inputs.finite()
     }
 
     /// The same without a VJP case.

@@ -76,15 +76,16 @@ pub struct Reach {
     pub least: f64,
 }
 
-/// A length of an axis: points of three coordinates, pictures of three channels. A function that takes no other is asked no other.
+/// Lengths of an axis: points of three coordinates, pictures of three channels, harmonics of one degree. A function that takes one of them and
+/// no other is asked no other.
 #[derive(Clone, Copy, Debug)]
 pub struct Only {
     /// The input.
     pub input: &'static str,
     /// Its axis.
     pub axis: usize,
-    /// The length.
-    pub length: usize,
+    /// The lengths.
+    pub lengths: &'static [usize],
     /// What there are so many of.
     pub what: &'static str,
 }

@@ -34,7 +34,7 @@ pub(crate) const POSITIONAL_ENCODING: Component = Component {
     special: Special {
         columns: Some(("columns", "band_sin_cos")),
         admits: arrays::admits,
-        only: Some(Only { input: "x", axis: 1, length: 3, what: "coordinates" }),
+        only: Some(Only { input: "x", axis: 1, lengths: &[3], what: "coordinates" }),
         large: cases::large,
         laws: Some(mistakes::laws::OF_POINTS),
         ..Special::NONE

@@ -2,7 +2,7 @@
 
 use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Port};
-use crate::contract::special::Special;
+use crate::contract::special::{Only, Special};
 
 /// Colors of splats from where they are seen.
 pub(crate) const GAUSSIAN_COLOR: Component = Component {
@@ -36,5 +36,15 @@ pub(crate) const GAUSSIAN_COLOR: Component = Component {
     }),
     cases: cases::gaussian_color,
     mistakes: mistakes::GAUSSIAN_COLOR,
-    special: Special { large: cases::large, laws: Some(mistakes::laws::OF_SPLATS), ..Special::NONE },
+    special: Special {
+        large: cases::large,
+        laws: Some(mistakes::laws::OF_SPLATS),
+        only: Some(Only {
+            input: "coefficients",
+            axis: 1,
+            lengths: &[16, 9, 4],
+            what: "coefficients a channel",
+        }),
+        ..Special::NONE
+    },
 };

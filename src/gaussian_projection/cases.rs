@@ -72,6 +72,13 @@ pub(crate) fn gaussian_projection() -> Vec<Case> {
     let cases = vec![
         seeded("usual", "splats in the picture", 0, 8, [0.0, 0.5], [2.0, 6.0], 0.5),
         seen(
+            "close_up",
+            "a camera at the origin, splats close to it: what is added to z shows",
+            straight,
+            vec![0.0625, -0.03125, 0.25, -0.125, 0.0625, 0.375, 0.125, 0.09375, 0.5],
+            [0.0009765625, 0.0, 0.0, 0.0009765625, 0.0, 0.0009765625].repeat(3),
+        ),
+        seen(
             "on_the_axis",
             "a camera at the origin, a splat in its middle: no part of the Jacobian tilts",
             straight,

@@ -35,7 +35,7 @@ pub(crate) const INTEGRATED_ENCODING: Component = Component {
     special: Special {
         columns: Some(("columns", "band_sin_cos")),
         admits: arrays::admits,
-        only: Some(Only { input: "means", axis: 1, length: 3, what: "coordinates" }),
+        only: Some(Only { input: "means", axis: 1, lengths: &[3], what: "coordinates" }),
         large: cases::large,
         ..Special::NONE
     },

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use ndarray::{ArrayD, IxDyn};
+use ndarray::{ArrayD, CowArray, IxDyn};
 
 use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::Arrays;
@@ -77,6 +77,19 @@ pub fn reshaped(values: &ArrayD<f64>, expected: &[usize]) -> Option<(ArrayD<f64>
     if values.shape() == expected {
         return Some((values.clone(), None));
     }
+    relaid(values, expected).map(|(array, layout)| (array, Some(layout)))
+}
+
+/// The same, borrowed where it has the expected shape.
+pub(super) fn in_shape<'a>(values: &'a ArrayD<f64>, expected: &[usize]) -> Option<CowArray<'a, f64, IxDyn>> {
+    if values.shape() == expected {
+        return Some(values.into());
+    }
+    relaid(values, expected).map(|(array, _)| array.into())
+}
+
+/// An answer of another shape in the expected one.
+fn relaid(values: &ArrayD<f64>, expected: &[usize]) -> Option<(ArrayD<f64>, String)> {
     let longer = |shape: &[usize]| shape.iter().copied().filter(|&n| n != 1).collect::<Vec<_>>();
     let ones = longer(values.shape()) == longer(expected);
     let merged = values.ndim() < expected.len() && merges(values.shape(), expected);
@@ -85,9 +98,9 @@ pub fn reshaped(values: &ArrayD<f64>, expected: &[usize]) -> Option<(ArrayD<f64>
         ArrayD::from_shape_vec(IxDyn(expected), flat).expect("neither changes the number of elements")
     })?;
     if ones {
-        return Some((array, Some(format!("axes of length one: {:?} for {expected:?}", values.shape()))));
+        return Some((array, format!("axes of length one: {:?} for {expected:?}", values.shape())));
     }
-    Some((array, Some(format!("{:?} flattened to {:?}", expected, values.shape()))))
+    Some((array, format!("{:?} flattened to {:?}", expected, values.shape())))
 }
 
 /// Whether `short` comes from `long` by multiplying neighboring axes.

@@ -51,9 +51,8 @@ fn left_out(question: &Question, answers: &Answers) -> Vec<Option<String>> {
     let special = question.component.special;
     let (reached, only) = (reached(question, answers), takes_only(question, answers));
     let why = |case: &Case| {
-        if let Some((only, _)) = special.only.zip(only).filter(|(only, ())| length(case, only) != only.length)
-        {
-            return Some(format!("{} other than {}", only.what, only.length));
+        if let Some((of, only)) = special.only.zip(only).filter(|(of, only)| length(case, of) != *only) {
+            return Some(format!("{} other than {only}", of.what));
         }
         let (reach, reached) = special.reach.zip(reached)?;
         let number = case.inputs[reach.input].ndim() == 0;
@@ -65,18 +64,21 @@ fn left_out(question: &Question, answers: &Answers) -> Vec<Option<String>> {
     question.cases.iter().map(why).collect()
 }
 
-/// Whether a candidate answers to one length of an axis alone: on others that are asked it crashes, or says nothing, as a loop over no bands
+/// The length of an axis to which alone a candidate answers: on others that are asked it crashes, or says nothing, as a loop over no bands
 /// does. Shapes don't count here: whether columns are missing or another convention's isn't known yet.
-fn takes_only(question: &Question, answers: &Answers) -> Option<()> {
+fn takes_only(question: &Question, answers: &Answers) -> Option<usize> {
     let only = question.component.special.only?;
-    let (fitting, others): (Vec<_>, Vec<_>) =
-        question.cases.iter().zip(answers).partition(|(case, _)| length(case, &only) == only.length);
     let answered = |(_, answer): &(&Case, &Option<Answer>)| answer.is_some();
     let said = |(_, answer): &(&Case, &Option<Answer>)| {
         answer.iter().flat_map(|answer| answer.values()).any(|given| !given.values.is_empty())
     };
-    let crashed = others.iter().any(|asked| !answered(asked));
-    (crashed && !others.iter().any(said) && fitting.iter().any(answered)).then_some(())
+    let alone = |taken: &usize| {
+        let asked = question.cases.iter().zip(answers);
+        let (fitting, others): (Vec<_>, Vec<_>) = asked.partition(|(case, _)| length(case, &only) == *taken);
+        let crashed = others.iter().any(|asked| !answered(asked));
+        crashed && !others.iter().any(said) && fitting.iter().any(answered)
+    };
+    only.lengths.iter().copied().find(alone)
 }
 
 /// How long the axis is.
@@ -193,6 +195,9 @@ mod tests {
         // Who crashes on one of these, too, has crashed.
         let some = |case: &Case| in_space(case) && case.inputs["x"].shape()[0] > 1;
         assert_eq!(answering("positional_encoding", 1.0, some).0, Verdict::Fail);
+        let linear = |case: &Case| case.inputs["coefficients"].shape()[1] == 4;
+        assert_eq!(answering("gaussian_color", 1.0, linear).0, Verdict::Pass);
+        assert_eq!(answering("gaussian_color", 1.01, linear).0, Verdict::Fail);
         let colored = |case: &Case| case.inputs["prediction"].shape()[2] == 3;
         assert_eq!(answering("ssim", 1.0, colored).0, Verdict::Pass);
         assert_eq!(answering("ssim", 1.0, |_| true), (Verdict::Pass, 0));
@@ -239,13 +244,13 @@ mod tests {
                 };
                 let some = cases.iter().filter(shows).count();
                 let fitting =
-                    cases.iter().filter(|case| length(case, &only) == only.length).filter(shows).count();
+                    cases.iter().filter(|case| length(case, &only) == only.lengths[0]).filter(shows).count();
                 assert!(
                     some == 0 || fitting > 0,
                     "{} {}: {some} cases, none of {}",
                     component.name,
                     mistake.name,
-                    only.length
+                    only.lengths[0]
                 );
             }
         }

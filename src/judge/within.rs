@@ -1,10 +1,11 @@
 //! Whether answers lie within their bounds: asked of thousands of hypotheses, most of which cost little to reject.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use ndarray::ArrayD;
+use ndarray::{ArrayD, CowArray, IxDyn};
 
-use super::answer::{Answer, reshaped};
+use super::answer::{Answer, in_shape, reshaped};
 use super::exam::Question;
 use super::mark::MarkOptions;
 use super::truths::Truth;
@@ -13,6 +14,9 @@ use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::contract::check::budget_used;
 use crate::convention::CS180;
+
+/// Answers in the shapes that are expected.
+type Shaped<'a> = BTreeMap<&'a str, CowArray<'a, f64, IxDyn>>;
 
 /// How far off answers may be, as far as is known for so little work.
 pub(super) enum Bound {
@@ -30,10 +34,10 @@ impl From<Arrays> for Bound {
 
 impl Bound {
     /// What it says of answers; `None` where that isn't known yet.
-    fn says(&self, got: &Arrays, expected: &Arrays) -> Option<bool> {
+    fn says(&self, got: &Shaped, expected: &Arrays) -> Option<bool> {
         let (Bound::Enough(bound) | Bound::Needed(bound)) = self;
         let off = got.iter().flat_map(|(name, got)| {
-            let pairs = got.iter().zip(&expected[name]).zip(&bound[name]);
+            let pairs = got.iter().zip(&expected[*name]).zip(&bound[*name]);
             pairs
                 .filter(|((g, e), b)| budget_used(**g, **e, **b) > 1.0 || budget_used(**g, **e, **b).is_nan())
         });
@@ -67,13 +71,13 @@ pub(super) fn each_within(
     let one = |(name, e): (&String, &ArrayD<f64>)| -> Arrays { [(name.clone(), e.clone())].into() };
     let alone = expected.iter().map(one);
     let asked = alone.filter_map(|expected| Some((near(answer, &expected, scale.as_ref())?, expected)));
-    let mut open: Vec<(Arrays, Arrays)> = asked.collect();
+    let mut open: Vec<(Shaped, Arrays)> = asked.collect();
     let mut explained = vec![];
     while !open.is_empty() {
         let Some(bound) = bounds.next() else { break };
         open.retain(|(got, expected)| {
             let said = bound.says(got, expected);
-            explained.extend(got.keys().filter(|_| said == Some(true)).cloned());
+            explained.extend(got.keys().filter(|_| said == Some(true)).map(|name| name.to_string()));
             said.is_none()
         });
     }
@@ -81,12 +85,12 @@ pub(super) fn each_within(
 }
 
 /// The answers in the shapes that are expected, where there are some and they aren't far off.
-fn near(answer: &Answer, expected: &Arrays, scale: Option<&Scale>) -> Option<Arrays> {
-    let answered = |(name, e): (&String, &ArrayD<f64>)| -> Option<Option<(String, ArrayD<f64>)>> {
-        let given = answer.get(name)?;
-        Some(reshaped(&given.values, e.shape()).map(|(got, _)| (name.clone(), got)))
-    };
-    let got = expected.iter().filter_map(answered).collect::<Option<Arrays>>()?;
+fn near<'a>(answer: &'a Answer, expected: &Arrays, scale: Option<&Scale>) -> Option<Shaped<'a>> {
+    let mut got = Shaped::new();
+    for (name, e) in expected {
+        let Some((name, given)) = answer.get_key_value(name) else { continue };
+        got.insert(name, in_shape(&given.values, e.shape())?);
+    }
     (!got.is_empty() && !scale.is_some_and(|scale| scale.far_off(&got, expected))).then_some(got)
 }
 
@@ -149,11 +153,11 @@ impl Scale {
     }
 
     /// Whether most elements of an output are far off. One alone may be across a threshold.
-    fn far_off(&self, got: &Arrays, expected: &Arrays) -> bool {
+    fn far_off(&self, got: &Shaped, expected: &Arrays) -> bool {
         got.iter().any(|(name, got)| {
-            let expected = &expected[name];
+            let expected = &expected[*name];
             let size = largest_of(expected);
-            let bound = self.truth.bound.get(name);
+            let bound = self.truth.bound.get(*name);
             let far = bound.map_or(0.25 * size, |bound| self.part * size + FAR * largest_of(bound)) + 1e-9;
             // What overflows a type is infinite there.
             let beyond = |g: f64, e: f64| g.is_infinite() && e.abs() > f64::from(f32::MAX) / 4.0;
@@ -191,7 +195,7 @@ mod tests {
         let of = |values: Vec<f64>| arrays([("x", array(&[values.len()], values))]);
         let says = |got: Vec<f64>, made: fn(Arrays) -> Bound| {
             let (zeros, ones) = (of(vec![0.0; got.len()]), of(vec![1.0; got.len()]));
-            made(ones).says(&of(got), &zeros)
+            made(ones).says(&shaped(&of(got)), &zeros)
         };
         assert_eq!(says(vec![0.5, -1.0, 1.0], Bound::Needed), None);
         assert_eq!(says(vec![0.5, 2.0, 1.0], Bound::Needed), None);
@@ -217,14 +221,19 @@ mod tests {
                     (name.clone(), e + &bound)
                 };
                 let got: Arrays = truth.expected.iter().map(used).collect();
-                let far = scale.far_off(&got, &truth.expected);
+                let far = scale.far_off(&shaped(&got), &truth.expected);
                 // In some conventions a question lies on a face, a threshold or at no gradient: bounds are as wide as answers there.
-                let wide = (Scale { truth: Arc::default(), part: PART }).far_off(&got, &truth.expected);
+                let wide =
+                    (Scale { truth: Arc::default(), part: PART }).far_off(&shaped(&got), &truth.expected);
                 assert!(!far || wide, "{} {} {c:?}", question.component.name, case.id);
                 asked += 1;
             }
         }
         assert!(asked > 1000, "{asked}");
+    }
+
+    fn shaped(arrays: &Arrays) -> Shaped<'_> {
+        arrays.iter().map(|(name, array)| (name.as_str(), array.into())).collect()
     }
 
     fn small(question: &Question) -> impl Iterator<Item = &Case> {

@@ -43,7 +43,7 @@ pub(crate) const SSIM: Component = Component {
     cases: cases::ssim,
     mistakes: mistakes::SSIM,
     special: Special {
-        only: Some(Only { input: "prediction", axis: 2, length: 3, what: "channels" }),
+        only: Some(Only { input: "prediction", axis: 2, lengths: &[3], what: "channels" }),
         large: cases::large,
         forms: OF_ONE,
         // Each pixel is in up to 121 windows, but in few where pictures are hardly larger than a window.

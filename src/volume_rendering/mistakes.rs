@@ -24,8 +24,8 @@ pub(crate) mod weight_laws;
 pub(crate) use background::{COMPOSITE_BACKGROUND, composite_background, composite_background_vjp};
 pub(crate) use catalogue::OWN_STEP;
 use catalogue::{
-    COLORS_GIVEN_UP, DIVIDED, EPS_IN_PRODUCT, GIVEN_UP, OVER_RAYS, OVER_RAYS_INCLUSIVE, WEIGHTS_CUT,
-    WEIGHTS_NORMALIZED,
+    COLORS_GIVEN_UP, DIVIDED, EPS_IN_PRODUCT, GIVEN_UP, OVER_RAYS, OVER_RAYS_INCLUSIVE, UNIT_WEIGHTS,
+    WEIGHTS_CUT, WEIGHTS_NORMALIZED,
 };
 pub(crate) use densities::{ALPHA_ERROR, rounds_alpha, volume_render};
 pub(crate) use depth::{DEPTH, depth, depth_vjp};
@@ -36,6 +36,9 @@ use march::{
     THIN_ALPHAS, TOGETHER, WEIGHTS_HELD,
 };
 pub(crate) use march::{THIN_SKIPPED, unless_thin};
+
+/// The squares of shorter weights are 0 in f32: what is divided by their root isn't known.
+const UNDERFLOWS: f64 = 1e-18;
 
 /// Mistakes between opacities and outputs.
 fn wrong_composite(
@@ -135,9 +138,9 @@ fn wrong_composite(
         let whole = rendering.opacity + eps;
         divide(&mut rendering, whole);
     }
-    if wrong.contains(&"weights_of_unit_length") {
+    if wrong.contains(&UNIT_WEIGHTS.name) {
         let length = rendering.weights.iter().map(|w| w * w).sum::<f64>().sqrt();
-        divide(&mut rendering, length);
+        divide(&mut rendering, if length < UNDERFLOWS { f64::NAN } else { length });
     }
     if wrong.contains(&"colors_of_next_sample") {
         let next = |k: usize| rendering.weights.iter().zip(&rgbs[n.min(1)..]).map(|(w, c)| w * c[k]).sum();

@@ -56,7 +56,7 @@ const WHEN: [&str; 6] = [
 ];
 
 /// What becomes of them.
-const BY: [&str; 9] = [
+const BY: [&str; 10] = [
     "g max_norm / norm",
     "g / norm",
     "g max_norm",
@@ -66,6 +66,7 @@ const BY: [&str; 9] = [
     "g (max_norm / norm)^2",
     "g held between -max_norm and max_norm",
     "0",
+    "g min(max_norm, max_norm / norm)",
 ];
 
 /// What is told as the norm.
@@ -128,6 +129,7 @@ fn clipped(numbers: &[f64], norm: f64, most: f64, c: &Conventions, law: &[usize]
         _ => norm > most,
     };
     let one = |g: f64| match law[4] {
+        9 => g * most.min(most / held),
         _ if !shortened => g,
         0 => g * (most / held),
         1 => g / held,

@@ -53,19 +53,27 @@ impl<'a> Search<'a> {
 
     /// Those of these formulas that explain most cases.
     fn explaining_most<'b>(&self, case: usize, c: &'b Conventions, all: Vec<Vec<usize>>) -> Vec<Tried<'b>> {
-        let right = self.explained_cases(&Hypothesis::new(vec![], *c));
-        let failing: Vec<usize> = (case..right.len()).filter(|n| !right[*n]).collect();
+        let formula = Hypothesis::new(vec![], *c);
+        let right: Vec<bool> = (0..self.cases.len()).map(|n| self.explains(&formula, n)).collect();
+        let failing = right.iter().filter(|right| !**right).count();
+        if failing < SHOWN {
+            return vec![];
+        }
         let probes = self.probes(case);
-        let enough = |explained: &[bool]| {
-            let count = failing.iter().filter(|n| explained[**n]).count();
-            let kept = explained.iter().zip(&right).all(|(explained, right)| *explained || !*right);
-            kept && count >= SHOWN && count as f64 >= MOST * failing.len() as f64
+        // Those that the right formula explains must be explained, and most of the others.
+        let missed = failing - ((MOST * failing as f64).ceil() as usize).max(SHOWN);
+        let enough = |h: &Hypothesis| {
+            let mut left = missed;
+            let all = right.iter().enumerate().map(|(n, right)| {
+                let explained = self.explains(h, n);
+                left = if explained { left } else { left.checked_sub(1).filter(|_| !right)? };
+                Some(explained)
+            });
+            all.collect::<Option<Vec<bool>>>()
         };
         let tried = parallel::map(all.len(), |n| {
             let near = |probe: &usize| self.near(&all[n], *probe, c) == self.cases[*probe].1.len();
-            let explained =
-                probes.iter().any(near).then(|| self.explained_cases(&self.hypothesis(&all[n], c)));
-            explained.filter(|explained| enough(explained))
+            probes.iter().any(near).then(|| enough(&self.hypothesis(&all[n], c))).flatten()
         });
         let found = tried.into_iter().zip(all);
         found.filter_map(|(explained, law)| Some(Tried { law, c, explained: explained? })).collect()
@@ -76,11 +84,9 @@ impl<'a> Search<'a> {
         [failing, (failing + self.cases.len()) / 2]
     }
 
-    fn explained_cases(&self, h: &Hypothesis) -> Vec<bool> {
-        let one = |(case, answer): &(&Case, &Answer)| {
-            attempt(|| h.explains(self.question, case, answer, self.options)).unwrap_or(false)
-        };
-        self.cases.iter().map(one).collect()
+    fn explains(&self, h: &Hypothesis, case: usize) -> bool {
+        let (case, answer) = self.cases[case];
+        attempt(|| h.explains(self.question, case, answer, self.options)).unwrap_or(false)
     }
 
     /// The same where it is proved by the cases that it explains.

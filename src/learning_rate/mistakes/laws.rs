@@ -211,19 +211,23 @@ const LOG_LINEAR: [&str; 6] = [
     "lr_init (lr_final / lr_init)^(p^2)",
 ];
 
+/// What the first step has.
+const AT_FIRST: [&str; 3] = ["what the formula says", "0", "lr_init"];
+
 /// Those of a log-linear decay.
 pub(crate) const OF_DECAYS: Laws = Laws {
-    choices: &[DELAYED.len(), LOG_LINEAR.len()],
+    choices: &[DELAYED.len(), LOG_LINEAR.len(), AT_FIRST.len()],
     says: |part, choice| match part {
         0 => format!("delayed by {}", DELAYED[choice]),
-        _ => format!("lr = {}", LOG_LINEAR[choice]),
+        1 => format!("lr = {}", LOG_LINEAR[choice]),
+        _ => format!("lr = {} at step 0", AT_FIRST[choice]),
     },
     of: of_decays,
     rounding: &[],
 };
 
 fn of_decays(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
-    if law == [0, 0] {
+    if law == [0; 3] {
         return log_linear(a, c);
     }
     let ([first, last], s, most) = (rates(a), number(a, "step"), number(a, "max_steps"));
@@ -249,5 +253,9 @@ fn of_decays(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
         5 if s < steps => mult,
         _ => 1.0,
     };
-    forward(rate * factor)
+    forward(match law[2] {
+        1 if s == 0.0 => 0.0,
+        2 if s == 0.0 => first,
+        _ => rate * factor,
+    })
 }

@@ -24,13 +24,14 @@ const FIRST: [&str; 13] = [
 ];
 
 /// Which piece is where.
-const PIECES: [&str; 6] = [
+const PIECES: [&str; 7] = [
     "the straight piece below",
     "the straight piece above",
     "the larger piece",
     "the smaller piece",
     "the sum of both pieces",
     "the straight piece below, and both added above",
+    "the straight piece below, in place: then the power of all that is above by then",
 ];
 
 /// Where the pieces meet.
@@ -203,6 +204,8 @@ fn of(x: f64, most: f64, law: &[usize]) -> f64 {
         4 => low + high,
         5 if below => low,
         5 => low + high,
+        6 if below && low > at => curved(low, k, b, law[6]),
+        6 if below => low,
         _ => high,
     };
     match law[7] {

@@ -103,9 +103,10 @@ pub(super) const UNIT_WEIGHTS: Mistake = Mistake::new(
     "the weights are divided by their Euclidean norm, as a vector's normalize does",
     "they sum to more than 1; empty rays are NaN",
     "leave them: what is missing to 1 is the background's",
-    "1 public implementation",
-    1,
-);
+    "2 public implementations",
+    2,
+)
+.open_where_nan();
 pub(super) const COLORS_MOVED: Mistake = Mistake::new(
     "colors_of_next_sample",
     "C = sum w_i c_{i+1}: colors and weights are cut to the same length at opposite ends",

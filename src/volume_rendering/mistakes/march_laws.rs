@@ -69,13 +69,14 @@ pub(super) fn step_said(choice: usize) -> String {
 }
 
 /// What stands for a density.
-pub(super) const DENSITY: [&str; 6] = [
+pub(super) const DENSITY: [&str; 7] = [
     "sigma_i",
     "sigma_{i+1}, 0 for the last",
     "sigma_{i-1}, 0 for the first",
     "|sigma_i|",
     "log(1 + exp(sigma_i))",
     "exp(sigma_i)",
+    "sigma_i ln 2, as powers of 2 have it,",
 ];
 
 /// The densities of samples that are skipped.
@@ -200,7 +201,8 @@ pub(super) fn other_densities(sigmas: Vec<f64>, choice: usize) -> Vec<f64> {
         2 => i.checked_sub(1).map_or(0.0, |before| sigmas[before]),
         3 => sigmas[i].abs(),
         4 => softplus(sigmas[i]),
-        _ => exp(sigmas[i]),
+        5 => exp(sigmas[i]),
+        _ => sigmas[i] * std::f64::consts::LN_2,
     };
     (0..sigmas.len()).map(of).collect()
 }
