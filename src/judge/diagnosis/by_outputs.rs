@@ -117,7 +117,7 @@ impl<'a> Search<'a> {
         let known = explained.len();
         let left: BTreeSet<&str> =
             self.outputs.iter().copied().filter(|name| !explained.contains(name)).collect();
-        let probes = [self.telling(law, step.c, &left), step.failing];
+        let probes = [self.telling(law, (step.failing, step.c), &left), step.failing];
         let those = parallel::map(all.len(), |n| {
             let near = probes.iter().all(|probe| self.near(&all[n], *probe, step.c) > known);
             if near { self.explained(&all[n], step.failing, step.c, known) } else { vec![] }

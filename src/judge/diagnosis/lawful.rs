@@ -34,7 +34,7 @@ pub(super) const STEPPED: usize = 2;
 /// than that in most numbers; what isn't the formula seldom is.
 const NEARLY: f64 = 0.03;
 
-/// How many times longer than the smallest a case may be on which formulas are tried before they are on all; and shares of its numbers that
+/// How many times longer than the first that fails a case may be on which formulas are tried before they are on all; and shares of its numbers that
 /// are told apart.
 const LONGER: usize = 4;
 const SHARES: usize = 16;
@@ -145,7 +145,7 @@ impl<'a> Search<'a> {
             tried += trials.len();
             let right = vec![0; self.laws.choices.len()];
             let telling: Vec<usize> =
-                nearby.iter().map(|(_, c)| self.telling(&right, c, &self.outputs)).collect();
+                nearby.iter().map(|(n, c)| self.telling(&right, (*n, c), &self.outputs)).collect();
             let near = parallel::map(trials.len(), |n| {
                 let (law, (case, c)) = (&all[trials[n].0], &nearby[trials[n].1]);
                 let near = |n: &usize| self.near(law, *n, c) == self.cases[*n].1.len();
@@ -204,10 +204,15 @@ impl<'a> Search<'a> {
         answer.iter().filter_map(about).collect()
     }
 
-    /// Of the cases that cost not much more than the first, that in which the largest share of the numbers of these outputs isn't about what a
+    /// Of the cases that cost not much more than `failing`, that in which the largest share of the numbers of these outputs isn't about what a
     /// formula gives: most of the others that are wrong are rejected there.
-    pub(super) fn telling(&self, law: &[usize], c: &Conventions, outputs: &BTreeSet<&str>) -> usize {
-        let most = LONGER * self.question.cost(self.cases[0].0);
+    pub(super) fn telling(
+        &self,
+        law: &[usize],
+        (failing, c): (usize, &Conventions),
+        outputs: &BTreeSet<&str>,
+    ) -> usize {
+        let most = LONGER * self.question.cost(self.cases[failing].0);
         let off = |n: &usize| {
             let about = self.about(law, *n, c);
             let those = about.iter().filter(|(name, _)| outputs.contains(*name)).map(|(_, counts)| *counts);

@@ -126,7 +126,9 @@ pub(crate) fn mostly(
             let own = cases.iter().zip(&t.explained).filter(|(_, explained)| **explained);
             own.map(|((case, answer), _)| h.residual(question, case, answer, options)).fold(0.0, f64::max)
         };
-        numeric || options.dtype.bits() < 24 || fits(&t.hypothesis) < CLOSE
+        let exact = numeric || options.dtype.bits() < 24 || fits(&t.hypothesis) < CLOSE;
+        // What leaves most of it open explains anything.
+        exact && !t.hypothesis.says_little(question, &cases)
     };
     found.retain(close);
     // Of bits and counts a pair of many explains a few cases by chance, and so it does where a case has a single number: two of a formula's
