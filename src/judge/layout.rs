@@ -12,6 +12,7 @@ use super::diagnosis::hypothesis::Hypothesis;
 use super::exam::Question;
 use super::mark::MarkOptions;
 use super::partial::apply;
+use super::transposed::transposed;
 use crate::contract::case::Case;
 use crate::contract::check::{Kind, budget_used};
 use crate::contract::component::Mistake;
@@ -51,7 +52,10 @@ pub(crate) fn normalized(
     if question.kind == Kind::Vjp || question.statistics() {
         return None;
     }
-    swapped(question, answers, base, options)
+    let turned = transposed(question, answers);
+    let turned = turned.map(|(answers, says)| Arranged { answers, says, orders: None });
+    turned
+        .or_else(|| swapped(question, answers, base, options))
         .or_else(|| columns(question, answers, base, options))
         .or_else(|| (!pinned).then(|| chosen(question, answers, base, options))?)
 }

@@ -36,6 +36,7 @@ pub mod mark;
 pub(crate) mod partial;
 #[doc(hidden)]
 pub mod statistics;
+mod transposed;
 pub(crate) mod within;
 
 // What explains wrong ones.

@@ -24,6 +24,9 @@ const MOST: f64 = 2.0 / 3.0;
 /// Cases that the right formula doesn't explain and a mistake does, at least; and their share of those that the right formula doesn't.
 const SHOWN: (usize, f64) = (2, 0.5);
 
+/// Numbers that these cases must have in all: where each has one, two are explained by chance.
+const NUMBERS: usize = 3;
+
 /// Gradients that are held against differences of what the forward answers showed, where most others are right.
 const FEW: usize = 6;
 
@@ -53,9 +56,9 @@ impl Tried {
         self.explained.iter().filter(|explained| **explained).count()
     }
 
-    /// How many cases it explains that another doesn't.
-    fn beyond(&self, other: &Tried) -> usize {
-        self.explained.iter().zip(&other.explained).filter(|(mine, others)| **mine && !**others).count()
+    /// The cases that it explains and another doesn't.
+    fn beyond<'a>(&'a self, other: &'a Tried) -> impl Iterator<Item = usize> + 'a {
+        (0..self.explained.len()).filter(|n| self.explained[*n] && !other.explained[*n])
     }
 }
 
@@ -110,12 +113,15 @@ pub(crate) fn mostly(
         let few = usable(&wrong(mistakes, base), question, answers).len();
         found.extend(tried(std::slice::from_ref(mistakes), &near[..1], &cases[..few]));
     }
+    let numbers =
+        |(_, answer): &(&Case, &Answer)| answer.values().map(|given| given.values.len()).sum::<usize>();
     let enough = |t: &Tried| {
-        let (asked, beyond) = (t.explained.len(), t.beyond(&formula));
+        let (asked, beyond) = (t.explained.len(), t.beyond(&formula).count());
         let wrong = formula.explained[..asked].iter().filter(|explained| !**explained).count();
         t.count() as f64 >= MOST * asked as f64
             && beyond >= SHOWN.0
             && beyond as f64 >= SHOWN.1 * wrong as f64
+            && t.beyond(&formula).map(|n| numbers(&cases[n])).sum::<usize>() >= NUMBERS
     };
     found.retain(enough);
     // A number that is read off one case explains that one, and others nearly, whatever they are; so does one mistake of many, where a case
@@ -133,8 +139,6 @@ pub(crate) fn mostly(
     found.retain(close);
     // Of bits and counts a pair of many explains a few cases by chance, and so it does where a case has a single number: two of a formula's
     // pieces that are wrong show in cases apart.
-    let numbers =
-        |(_, answer): &(&Case, &Answer)| answer.values().map(|given| given.values.len()).sum::<usize>();
     let telling = real_numbers(question, answers) && cases.iter().any(|case| numbers(case) > 1);
     if found.is_empty() && !numeric && telling {
         let pair = |n: usize| singles[..n].iter().map(move |other| (n, other[0]));
@@ -306,6 +310,32 @@ mod tests {
             }
         };
         assert_eq!(found(&[], all), None);
+    }
+
+    /// A ceiling halves a first scale as an overflow does: of two numbers that is all that is known.
+    #[test]
+    fn two_numbers_show_no_mistake() {
+        let mut exam = Exam::new("loss_scale_update", Dtype::F64, None).unwrap();
+        let question = &mut exam.questions[0];
+        question
+            .cases
+            .retain(|case| ["first", "overflow_first", "usual", "grown"].contains(&case.id.as_str()));
+        assert_eq!(question.cases.len(), 4);
+        let named = |other: usize| {
+            let answer = |(n, case): (usize, &Case)| {
+                let mistake = ["meaning_of_bit_exchanged"];
+                let mut all = (question.component.forward.wrong)(&case.inputs, &CS180, &mistake);
+                all.retain(|name, _| name == "scale_out");
+                if n >= other {
+                    all.values_mut().for_each(|scale| scale.fill(7.0));
+                }
+                Some(given(all))
+            };
+            let answers: Answers = question.cases.iter().enumerate().map(answer).collect();
+            let options = MarkOptions { dtype: Dtype::F64, exp_ulp: 4.0 };
+            mostly(question, &answers, &CS180, &[], &options).is_some_and(|e| !e.mistakes.is_empty())
+        };
+        assert!(named(3) && !named(2));
     }
 
     /// Where a case has a single number, a mistake of one piece and one of the other explain the cases of either, whatever is wrong.
