@@ -17,10 +17,10 @@ pub(super) fn transposed(question: &Question, answers: &Answers) -> Option<(Answ
     }
     let mut turned = answers.clone();
     for answer in turned.iter_mut().flatten() {
-        for given in names.iter().filter_map(|name| Some(answer.remove_entry(*name)?)).collect::<Vec<_>>() {
-            let (name, mut given) = given;
-            given.values = given.values.reversed_axes().as_standard_layout().into_owned();
-            answer.insert(name, given);
+        for given in
+            answer.iter_mut().filter(|(name, _)| names.contains(&name.as_str())).map(|(_, given)| given)
+        {
+            given.values = given.values.t().as_standard_layout().into_owned();
         }
     }
     Some((turned, format!("{}: the two axes are in each other's place", names.join(", "))))
