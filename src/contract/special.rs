@@ -40,7 +40,7 @@ pub struct Special {
     pub large: fn() -> Vec<Large>,
     /// The input that says how far a function is asked to go, where many go less far.
     pub reach: Option<Reach>,
-    /// The length of an input's axis that functions are often written for alone.
+    /// The lengths of an input's axis of which functions are often written for one alone.
     pub only: Option<Only>,
     /// What an element costs, in those of a usual row: searches try so many hypotheses less.
     pub work: usize,
@@ -76,8 +76,8 @@ pub struct Reach {
     pub least: f64,
 }
 
-/// Lengths of an axis: points of three coordinates, pictures of three channels, harmonics of one degree. A function that takes one of them and
-/// no other is asked no other.
+/// Lengths of an axis: points of three coordinates, pictures of three channels, harmonics of one degree. A function that answers to one of them
+/// alone is asked that one alone.
 #[derive(Clone, Copy, Debug)]
 pub struct Only {
     /// The input.

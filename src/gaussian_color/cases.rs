@@ -49,6 +49,10 @@ pub(crate) fn gaussian_color() -> Vec<Case> {
             -1.75,
         ),
         seeded("bright", "channels above 1", 8, 4, 3, 4.0, 3.0),
+        seeded("linear_below_zero", "degree 1, channels below 0", 9, 4, 1, 4.0, -1.75),
+        seeded("linear_bright", "degree 1, channels above 1", 10, 4, 1, 4.0, 3.0),
+        seeded("quadratic_below_zero", "degree 2, channels below 0", 11, 4, 2, 4.0, -1.75),
+        seeded("quadratic_bright", "degree 2, channels above 1", 12, 4, 2, 4.0, 3.0),
         along,
         seeded("far", "splats a hundred units away", 6, 4, 3, 100.0, 0.5),
     ];

@@ -19,7 +19,7 @@ use crate::contract::component::Mistake;
 use crate::contract::special::Chosen;
 use crate::convention::Conventions;
 
-/// Answers that are right in another layout.
+/// Answers in another layout: right in it, or in one that their shapes show.
 pub(crate) struct Arranged {
     /// In the contract's.
     pub answers: Answers,
@@ -27,6 +27,12 @@ pub(crate) struct Arranged {
     pub says: String,
     /// Where theirs is an order of columns.
     pub orders: Option<Orders>,
+}
+
+impl Arranged {
+    fn new(answers: Answers, says: String) -> Arranged {
+        Arranged { answers, says, orders: None }
+    }
 }
 
 /// For each width of an input and of its encoding: the order of columns.
@@ -40,7 +46,7 @@ pub(crate) struct Order {
     only: bool,
 }
 
-/// The answers in the contract's layout; `None` if no layout makes them right. Numbers that programs choose for themselves count as
+/// The answers in the contract's layout; `None` if no layout makes them right, and none shows in their shapes. Numbers that programs choose for themselves count as
 /// layout, where no profile is pinned that has chosen one.
 pub(crate) fn normalized(
     question: &Question,
@@ -52,12 +58,16 @@ pub(crate) fn normalized(
     if question.kind == Kind::Vjp || question.statistics() {
         return None;
     }
-    let turned = transposed(question, answers);
-    let turned = turned.map(|(answers, says)| Arranged { answers, says, orders: None });
-    turned
-        .or_else(|| swapped(question, answers, base, options))
+    let turned = transposed(question, answers, base);
+    let answers = turned.as_ref().map_or(answers, |(turned, _)| turned);
+    let other = swapped(question, answers, base, options)
         .or_else(|| columns(question, answers, base, options))
-        .or_else(|| (!pinned).then(|| chosen(question, answers, base, options))?)
+        .or_else(|| (!pinned).then(|| chosen(question, answers, base, options))?);
+    let Some((_, turned)) = &turned else { return other };
+    let mut arranged = other.unwrap_or_else(|| Arranged::new(answers.clone(), String::new()));
+    let turns = format!("{}: the two axes are in each other's place", turned.join(", "));
+    arranged.says = if arranged.says.is_empty() { turns } else { format!("{turns}; {}", arranged.says) };
+    Some(arranged)
 }
 
 /// A number that the program chooses for itself, replaced by that of a listed convention.
@@ -75,7 +85,7 @@ fn chosen(
     let right = all.any(|c| holds(question, &listed, &c, options));
     let taken_off = less.map_or(String::new(), |name| format!(" less {name}"));
     let says = format!("{}: {} is {number:e}{taken_off} in all cases", chosen.output, chosen.what);
-    right.then_some(Arranged { answers: listed, says, orders: None })
+    right.then(|| Arranged::new(listed, says))
 }
 
 /// The answers with the listed number in the place of the chosen one, and that; `None` where it isn't the same everywhere.
@@ -139,7 +149,7 @@ fn swapped(
             .any(|p| holds(question, &exchanged, &apply(p, base), options));
         if right {
             let says = format!("{a} and {b} are in each other's place");
-            return Some(Arranged { answers: exchanged, says, orders: None });
+            return Some(Arranged::new(exchanged, says));
         }
     }
     None
@@ -196,7 +206,7 @@ fn columns(
             let widest = orders.values().map(|order| &order.columns);
             let widest = widest.max_by_key(|columns| columns.len()).expect("there are cases");
             let says = format!("{name}: columns in an order of their own, {widest:?} of theirs in ours");
-            Some(Arranged { answers: ordered, says, orders: Some(orders) })
+            Some(Arranged { orders: Some(orders), ..Arranged::new(ordered, says) })
         })
     });
     found.flatten()

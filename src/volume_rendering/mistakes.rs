@@ -37,8 +37,8 @@ use march::{
 };
 pub(crate) use march::{THIN_SKIPPED, unless_thin};
 
-/// The squares of shorter weights are 0 in f32: what is divided by their root isn't known.
-const UNDERFLOWS: f64 = 1e-18;
+/// The squares of shorter weights have few digits in f32, or none: what is divided by their root isn't known. (In f64 it is left open, too.)
+const UNDERFLOWS: f64 = 1e-19;
 
 /// Mistakes between opacities and outputs.
 fn wrong_composite(

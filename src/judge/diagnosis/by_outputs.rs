@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use ndarray::ArrayD;
 
 use super::super::answer::Answer;
-use super::evidence::{REJECTED_BY, rejects_often};
+use super::evidence::{rejected_by, rejects_often};
 use super::hypothesis::Hypothesis;
 use super::lawful::{STEPPED, Search, TRIED, WORK};
 use super::slips::slipping::attempt;
@@ -164,7 +164,7 @@ impl<'a> Search<'a> {
             });
             outputs = kept.unwrap_or_default();
             if outputs.len() <= known {
-                REJECTED_BY.set(n);
+                rejected_by(n);
                 return vec![];
             }
         }

@@ -26,7 +26,7 @@ const NUMERIC: usize = 12;
 
 thread_local! {
     /// The place of the case that rejected this thread's last hypothesis. What is explained doesn't depend on it.
-    pub(super) static REJECTED_BY: Cell<usize> = const { Cell::new(0) };
+    static REJECTED_BY: Cell<usize> = const { Cell::new(0) };
 }
 
 /// A hypothesis that explains every answered element, but for the outputs and the cases that it names.
@@ -112,6 +112,11 @@ pub(super) fn rejects_often(cases: &[(&Case, &Answer)]) -> Option<usize> {
     (last.size() <= 4 * cases[0].0.size()).then_some(n)
 }
 
+/// Remembers the case that rejected a hypothesis.
+pub(super) fn rejected_by(case: usize) {
+    REJECTED_BY.set(case);
+}
+
 /// Whether a hypothesis explains every answer; gradients by numeric differentiation on the smallest cases.
 pub(crate) fn explains_all(
     h: &Hypothesis,
@@ -131,7 +136,7 @@ pub(crate) fn explains_all(
     let (others, hard) = ((0..cases.len()).filter(early), (0..cases.len()).filter(|n| !early(n)));
     let mut rest = first.into_iter().chain(others.chain(hard).filter(|n| first != Some(*n)));
     if let Some(rejected) = rest.find(|n| !fits(n)) {
-        REJECTED_BY.set(rejected);
+        rejected_by(rejected);
         return false;
     }
     cases.iter().any(|(case, _)| says(case))

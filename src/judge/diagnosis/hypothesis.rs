@@ -273,9 +273,10 @@ impl Hypothesis {
             .iter()
             .filter_map(|name| answer.get(*name).map(|given| (name.to_string(), given.clone())))
             .collect();
-        let those = predicted.iter().filter(|(name, _)| asked.contains_key(*name));
-        let mut wrong: Arrays = those.map(|(name, array)| (name.clone(), array.clone())).collect();
+        let mut wrong = predicted.clone();
         self.leave_open(question, case, answer, &mut wrong);
+        // Whether an output is read another one says, be it asked or not.
+        wrong.retain(|name, _| asked.contains_key(name));
         let bounds = self.bounds(question, case, &wrong, None, options);
         let explained = each_within(&asked, &wrong, self.scale(question, case, options), bounds);
         outputs.retain(|name| !asked.contains_key(*name) || explained.iter().any(|known| known == name));

@@ -21,7 +21,7 @@ use crate::convention::Conventions;
 /// Bits whose loss is likelier than a mistake that explains the same: an eps of 1e-7 added in f32, or T as 1 less the sum of the weights.
 const FEW_BITS: i32 = 4;
 
-/// The same where the mistake is what lost digits look like: V of a twist in f32 without 1 - cos theta, at angles of millionths.
+/// The same where the mistake is what lost digits look like: a rotation, or V of a twist, in f32 without 1 - cos theta at angles of millionths.
 const LIKE_LOST: i32 = 5;
 
 /// The same where a mistake's number explains them closely.

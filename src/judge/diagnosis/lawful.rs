@@ -15,13 +15,14 @@ use super::slips::proved::proved;
 use super::slips::slip::{LawSlip, Slip};
 use super::slips::slipping::{attempt, conventions};
 use super::telling::by_chance;
+use super::unread::as_answered;
 use crate::contract::case::Case;
 use crate::contract::check::Kind;
 use crate::contract::laws::Laws;
 use crate::convention::Conventions;
 use crate::parallel;
 
-/// Numbers that all formulas together may compute on the case that they are tried on first; and as many again, output by output.
+/// Numbers that all formulas together may compute on the first case that fails; and as many again, output by output.
 pub(super) const WORK: usize = 6_000_000;
 
 /// The conventions in which formulas are tried that differ from the right one in one part, in two, and in three.
@@ -190,9 +191,10 @@ impl<'a> Search<'a> {
     /// Of each output of a case, how many numbers are about what a formula gives, and how many there are.
     fn about(&self, law: &[usize], case: usize, c: &Conventions) -> BTreeMap<&'a str, (usize, usize)> {
         let (case, answer) = self.cases[case];
-        let Some(predicted) = attempt(|| (self.laws.of)(&case.inputs, c, law)) else {
+        let Some(mut predicted) = attempt(|| (self.laws.of)(&case.inputs, c, law)) else {
             return BTreeMap::new();
         };
+        as_answered(self.question.component, case, answer, &mut predicted);
         let about = |(name, given): (&'a String, &Given)| {
             let p = predicted.get(name).filter(|p| p.len() == given.values.len())?;
             let least = NEARLY * NEARLY * largest_of(p);
@@ -219,9 +221,13 @@ impl<'a> Search<'a> {
             let (about, all) = those.fold((0, 0), |(a, b), (about, all)| (a + about, b + all));
             SHARES * (all - about) / all.max(1)
         };
-        let cheap = (0..self.cases.len()).filter(|n| self.question.cost(self.cases[*n].0) <= most);
+        // Where rounding alone may be as far off, what is right isn't about right.
+        let digits =
+            |n: &usize| self.options.dtype.bits() >= 24 && self.options.may_reject_early(self.cases[*n].0);
+        let cheap =
+            (0..self.cases.len()).filter(|n| self.question.cost(self.cases[*n].0) <= most).filter(digits);
         // The last of equals wins in max_by_key: reversed, so that the smallest does.
-        cheap.rev().max_by_key(off).unwrap_or(0)
+        cheap.rev().max_by_key(off).unwrap_or(failing)
     }
 
     /// Those that explain all answers by more than one of so many that were `tried` would by chance.

@@ -48,6 +48,29 @@ mod tests {
         (question.cases.iter().filter(|case| fits(case)).count(), question.cases.len())
     }
 
+    /// Whether a distance is explained doesn't depend on whether what is hit is asked, too.
+    #[test]
+    fn a_distance_alone_is_left_open_too() {
+        let exam = Exam::new("ray_aabb", Dtype::F32, None).unwrap();
+        let question = &exam.questions[0];
+        let h = Hypothesis::new(vec!["face_is_a_miss"], CS180);
+        let options = MarkOptions { dtype: Dtype::F32, exp_ulp: 4.0 };
+        let explained = |asked: &[&'static str]| -> usize {
+            let near = |case| {
+                let mut answer = given(h.prediction(question, case).0);
+                let hit = answer["hit"].values.clone();
+                let near = &mut answer.get_mut("t_near").expect("an output").values;
+                near.zip_mut_with(&hit, |t, hit| *t = if *hit == 0.0 { -1e6 } else { *t });
+                let mut kept = asked.to_vec();
+                h.keep_explained(question, case, &answer, &options, &mut kept);
+                kept.contains(&"t_near")
+            };
+            question.cases.iter().filter(|case| near(case)).count()
+        };
+        assert_eq!(explained(&["t_near"]), question.cases.len());
+        assert_eq!(explained(&["hit", "t_near"]), question.cases.len());
+    }
+
     #[test]
     fn what_is_missed_has_no_distance() {
         let all = explained(|_| ());

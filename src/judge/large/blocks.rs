@@ -34,6 +34,10 @@ impl Whole {
                 whole.answer.insert(name, given);
             } else if let Some((values, _)) = reshaped(&given.values, expected) {
                 whole.answer.insert(name, Given { values, ..given });
+            } else if given.values.shape().iter().rev().eq(expected.iter()) {
+                // Two axes in each other's place.
+                let values = given.values.t().as_standard_layout().into_owned();
+                whole.answer.insert(name, Given { values, ..given });
             } else {
                 let found = given.values.shape();
                 whole

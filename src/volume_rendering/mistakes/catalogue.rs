@@ -101,7 +101,7 @@ pub(super) const LIGHT_FOR_ALPHA: Mistake = Mistake::new(
 pub(super) const UNIT_WEIGHTS: Mistake = Mistake::new(
     "weights_of_unit_length",
     "the weights are divided by their Euclidean norm, as a vector's normalize does",
-    "they sum to more than 1; empty rays are NaN",
+    "they sum to more than 1; empty rays are NaN, or 0 where an eps is added",
     "leave them: what is missing to 1 is the background's",
     "2 public implementations",
     2,
