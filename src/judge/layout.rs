@@ -46,8 +46,8 @@ pub(crate) struct Order {
     only: bool,
 }
 
-/// The answers in the contract's layout; `None` if no layout makes them right, and none shows in their shapes. Numbers that programs choose for themselves count as
-/// layout, where no profile is pinned that has chosen one.
+/// The answers in the contract's layout; `None` if no layout makes them right, and none shows in their shapes. Numbers that programs choose for
+/// themselves count as layout, where no profile is pinned that has chosen one.
 pub(crate) fn normalized(
     question: &Question,
     answers: &Answers,
@@ -64,10 +64,11 @@ pub(crate) fn normalized(
         .or_else(|| columns(question, answers, base, options))
         .or_else(|| (!pinned).then(|| chosen(question, answers, base, options))?);
     let Some((_, turned)) = &turned else { return other };
-    let mut arranged = other.unwrap_or_else(|| Arranged::new(answers.clone(), String::new()));
     let turns = format!("{}: the two axes are in each other's place", turned.join(", "));
-    arranged.says = if arranged.says.is_empty() { turns } else { format!("{turns}; {}", arranged.says) };
-    Some(arranged)
+    Some(match other {
+        Some(other) => Arranged { says: format!("{turns}; {}", other.says), ..other },
+        None => Arranged::new(answers.clone(), turns),
+    })
 }
 
 /// A number that the program chooses for itself, replaced by that of a listed convention.
